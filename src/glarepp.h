@@ -940,9 +940,9 @@ struct glarepp_compare_facts {
 
 struct glarepp_compare;
 
-/* Compares two images. They must outlive *out. The same for any number of
- * threads. Errors: DATA windows too far apart, or only one is deep; USAGE no
- * window, or no such exposures; BUG. */
+/* Compares two images. They and their lists must outlive *out. The same for any
+ * number of threads. Errors: DATA windows too far apart, or only one is deep;
+ * USAGE no window, or no such exposures; BUG. */
 int glarepp_compare(struct glarepp *gp,
     const struct glarepp_compare_params *p, const struct glarepp_stored *a,
     const struct glarepp_stored *b, struct glarepp_compare **out);

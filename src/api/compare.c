@@ -8,34 +8,24 @@
 
 struct glarepp_compare {
     struct glarepp *gp;
-    struct glarepp_stored image[2];  // the caller's; list of channels owned
+    struct glarepp_stored image[2];  // the caller's
     struct gp_compare_match match;
     float *map;                      // of FLIP; NULL: none
-    const char **name;               // of each pair
-    int *channel[2];                 // of each pair in each image
     struct glarepp_compare_facts facts;
 };
 
-/* Takes an image, and a list of its channels of its own. */
 static gp_status take_image(const struct gp_log *log,
     const struct glarepp_stored *from, struct glarepp_stored *to)
 {
-    struct glarepp_stored s = {.size = sizeof s};
-    struct glarepp_channel *list;
-    gp_status st;
-    GP_TRY(gp_api_params(log, "stored", &s, sizeof s, from));
-    const struct glarepp_rect r = s.data;
-    if (r.x1 <= r.x0 || r.y1 <= r.y0)
-        GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "stored.data", "%s: no window of "
-                          "pixels (found %d,%d to %d,%d)",
-                          s.name ? s.name : "image", r.x0, r.y0, r.x1, r.y1));
-    GP_TRY(gp_alloc(log, "channels", (size_t) s.channels, sizeof *list, &list));
-    if (s.channels)
-        memcpy(list, s.channel, (size_t) s.channels * sizeof *list);
-    s.channel = list;
-    *to = s;
-out:
-    return st;
+    to->size = sizeof *to;
+    const gp_status st = gp_api_params(log, "stored", to, sizeof *to, from);
+    const struct glarepp_rect r = to->data;
+    return st || (r.x1 > r.x0 && r.y1 > r.y0)
+               ? st
+               : gp_fail_at(log, GP_ERR_USAGE, "stored.data", "%s: no window of "
+                            "pixels (found %d,%d to %d,%d)",
+                            to->name ? to->name : "image", r.x0, r.y0, r.x1,
+                            r.y1);
 }
 
 /* Checks that the two can be compared, in as many pixels as there may be. */
@@ -54,28 +44,6 @@ static gp_status check_windows(const struct gp_log *log,
                           "that of %s are too far apart (%lld x %lld pixels "
                           "over both, at most %lld)", a, b, w, h, most);
     return GP_OK;
-}
-
-/* Lists the pairs' names, and their channels in each image. */
-static gp_status list_pairs(const struct gp_log *log, struct glarepp_compare *c)
-{
-    const struct gp_compare_match *const m = &c->match;
-    const size_t n = (size_t) m->pairs;
-    gp_status st;
-    GP_TRY(gp_alloc(log, "channels", n, sizeof *c->name, &c->name));
-    for (int k = 0; k < 2; k++)
-        GP_TRY(gp_alloc(log, "channels", n, sizeof(int), &c->channel[k]));
-    for (int i = 0; i < m->pairs; i++) {
-        const struct gp_compare_pair *const p = &m->pair[i];
-        c->name[i] = gp_compare_name(m, i);
-        c->channel[0][i] = p->a ? (int) (p->a - m->a->channel) : -1;
-        c->channel[1][i] = p->b ? (int) (p->b - m->b->channel) : -1;
-    }
-    c->facts.pair = c->name;
-    c->facts.in_a = c->channel[0];
-    c->facts.in_b = c->channel[1];
-out:
-    return st;
 }
 
 int glarepp_compare(struct glarepp *gp, const struct glarepp_compare_params *how,
@@ -99,7 +67,6 @@ int glarepp_compare(struct glarepp *gp, const struct glarepp_compare_params *how
     GP_TRY(check_windows(&log, m, p.most, a->name ? a->name : "image",
                          b->name ? b->name : "the other"));
     GP_TRY(gp_compare_measure(&log, &p, m, &c->facts));
-    GP_TRY(list_pairs(&log, c));
     if (p.flip && m->lit)
         GP_TRY(gp_compare_flip(&log, &p, m, &c->facts, &c->map));
     if (p.perceptual && m->lit)
@@ -119,11 +86,6 @@ void glarepp_compare_end(struct glarepp_compare **compare)
         return;
     gp_compare_match_free(&c->match);
     gp_free(c->map);
-    for (int i = 0; i < 2; i++) {
-        gp_free((void *) c->image[i].channel);
-        gp_free(c->channel[i]);
-    }
-    gp_free(c->name);
     GP_FREE(*compare);
 }
 
@@ -153,7 +115,7 @@ int glarepp_compare_view(const struct glarepp_compare *c, int pair,
         GP_TRY(gp_planes_make(log, "heatmap", pixels, &p));
         gp_compare_heatmap(c->map, pixels, &p);
     } else {
-        GP_TRY(gp_alloc(log, c->name[pair], pixels, sizeof(float), &p.c[0]));
+        GP_TRY(gp_alloc(log, c->match.name[pair], pixels, sizeof(float), &p.c[0]));
         gp_compare_subtract(&c->match, pair, absolute, scale, p.c[0]);
     }
     *out = gp_api_view(&p, f.data, NULL);

@@ -1,4 +1,4 @@
-#include "api/frame.h"
+#include "api/plan.h"
 
 #include "core/clock.h"
 #include "core/colour.h"
@@ -73,6 +73,22 @@ out:
     return gp_api_end(&call, st);
 }
 
+/* Planes of a view that the frame makes; NULL: others. */
+static struct gp_planes *planes_of(struct glarepp_frame *f,
+                                   struct gp_image *image,
+                                   enum glarepp_view view)
+{
+    return view == GLAREPP_CLEAN       ? &image->rgb
+           : view == GLAREPP_GLARE     ? &image->layer
+           : view == GLAREPP_LIT       ? &image->lit
+           : view == GLAREPP_SHOWN     ? &image->shown
+           : view == GLAREPP_SOURCES   ? &f->sources_shown
+           : view == GLAREPP_POLYGONS  ? &f->polygons
+           : view == GLAREPP_TRUTH     ? &f->truth
+           : view == GLAREPP_SUNMAP    ? &f->sunmap.planes
+           : view == GLAREPP_INTENSITY ? &f->intensity.planes : NULL;
+}
+
 void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
 {
     if (views & 1u << GLAREPP_DEPTH)
@@ -85,27 +101,17 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         if (views & 1u << GLAREPP_ALBEDO)
             gp_plane_free(&f->albedo[c]);
     }
-    if (views & 1u << GLAREPP_CLEAN) {
-        if (f->borrowed)
-            f->image.rgb = (struct gp_planes) {0};
-        gp_planes_free(&f->image.rgb);
-    }
+    if (views & 1u << GLAREPP_CLEAN && f->borrowed)
+        f->image.rgb = (struct gp_planes) {0};
     if (views & 1u << GLAREPP_SOURCES) {
         gp_sources_free(&f->sources);
         gp_sources_free(&f->joined);
-        gp_planes_free(&f->sources_shown);
     }
-    if (views & 1u << GLAREPP_GLARE)
-        gp_planes_free(&f->image.layer);
-    if (views & 1u << GLAREPP_LIT)
-        gp_planes_free(&f->image.lit);
-    if (views & 1u << GLAREPP_SHOWN)
-        gp_planes_free(&f->image.shown);
-    if (views & 1u << GLAREPP_POLYGONS)
-        gp_planes_free(&f->polygons);
-    if (views & 1u << GLAREPP_TRUTH) {
-        gp_planes_free(&f->truth);
+    if (views & 1u << GLAREPP_TRUTH)
         GP_FREE(f->exact);
+    for (int v = GLAREPP_CLEAN; v < GLAREPP_VIEWS; v++) {
+        if (views & 1u << v && v != GLAREPP_OUTPUT)
+            gp_planes_free(planes_of(f, &f->image, (enum glarepp_view) v));
     }
     for (int i = 0; f->converted && views & 1u << GLAREPP_OUTPUT &&
                     i <= f->groups; i++)
@@ -129,8 +135,6 @@ void glarepp_frame_end(struct glarepp_frame **frame)
     gp_free(f->group);
     gp_free(f->converted);
     gp_made_kernel_free(&f->kernel);
-    gp_planes_free(&f->sunmap.planes);
-    gp_planes_free(&f->intensity.planes);
     gp_free(f->share);
     gp_free(f->relit);
     gp_image_free(&f->image);
@@ -152,9 +156,17 @@ const struct gp_kernel *gp_api_kernel(const struct glarepp_frame *f)
 
 double gp_api_camera_fov(const struct glarepp_frame *f)
 {
-    return f->plan->fov > 0.0 ? f->plan->fov
-                              : gp_suns_fov(&f->work->suns, &f->about,
-                                            &f->image);
+    const struct glarepp_plan *const plan = f->plan;
+    const struct gp_sun_about *const about = &f->about;
+    struct gp_camera c;
+    if (plan->fov > 0.0)
+        return plan->fov;
+    if (f->work->lights)
+        return gp_suns_fov(&f->work->lights->suns, about, &f->image);
+    return about->has_ndc &&
+                   !gp_camera_make(NULL, NULL, NULL, about->to_ndc,
+                                   plan->sun.ndc ? plan->sun.ndc : about->ndc, &c)
+               ? gp_camera_fov(&c) : 0.0;
 }
 
 gp_status gp_api_dark_layer(struct glarepp_frame *f)
@@ -272,10 +284,11 @@ static gp_status draw_map(struct glarepp_frame *f, bool intensity,
 {
     if (p->planes.c[0])
         return GP_OK;
-    if (!f->work)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: maps are there "
-                          "between the steps SHARES and DONE", f->sink.name);
-    const struct gp_suns *const suns = &f->work->suns;
+    if (!f->work || !f->work->lights)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: maps of lights "
+                          "are there between the steps SHARES and DONE",
+                          f->sink.name);
+    const struct gp_suns *const suns = &f->work->lights->suns;
     return gp_sun_map_picture(&f->log, &suns->occluders,
                               intensity ? NULL : &suns->p->map, suns->light,
                               suns->n, &p->w, &p->h, &p->planes);
@@ -289,55 +302,29 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
     struct gp_image *const image =
         grouped ? &f->group[group - 1].image : &f->image;
     struct gp_rect data = image->data;
-    const struct gp_planes *planes = NULL;
-    const struct gp_api_picture *picture = NULL;
+    const struct gp_planes *planes = planes_of(f, image, view);
+    struct gp_api_picture *const picture =
+        view == GLAREPP_SUNMAP      ? &f->sunmap
+        : view == GLAREPP_INTENSITY ? &f->intensity : NULL;
     gp_status st = GP_OK;
     if (group && !grouped)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "group", "%s: no such group "
                           "(found %d)", f->sink.name, group));
-    switch (view) {
-    case GLAREPP_CLEAN:
-        planes = &image->rgb;
-        break;
-    case GLAREPP_GLARE:
-        if (!image->layer.c[0] && !group)
-            GP_TRY(gp_api_dark_layer(f));
-        planes = &image->layer;
-        break;
-    case GLAREPP_LIT:
-        planes = &image->lit;
-        break;
-    case GLAREPP_SHOWN:
-        planes = &image->shown;
-        break;
-    case GLAREPP_OUTPUT:
-        if (f->plan->converts)
-            GP_TRY(convert(f, group));
+    if (view == GLAREPP_GLARE && !group && !image->layer.c[0])
+        GP_TRY(gp_api_dark_layer(f));
+    if (view == GLAREPP_OUTPUT && f->plan->converts)
+        GP_TRY(convert(f, group));
+    if (view == GLAREPP_OUTPUT)
         planes = f->plan->converts ? &f->converted[group] : &image->lit;
-        break;
-    case GLAREPP_SOURCES:
-        if (!f->sources_shown.c[0])
-            GP_TRY(gp_sources_planes(&f->log, &f->sources, &f->sources_shown));
-        planes = &f->sources_shown;
-        break;
-    case GLAREPP_POLYGONS:
+    if (view == GLAREPP_SOURCES && !planes->c[0])
+        GP_TRY(gp_sources_planes(&f->log, &f->sources, &f->sources_shown));
+    if (view == GLAREPP_POLYGONS)
         GP_TRY(draw_polygons(f));
-        planes = &f->polygons;
-        break;
-    case GLAREPP_TRUTH:
+    if (view == GLAREPP_TRUTH)
         GP_TRY(show_truth(f));
-        planes = &f->truth;
-        break;
-    case GLAREPP_SUNMAP:
-    case GLAREPP_INTENSITY:
-        picture = view == GLAREPP_SUNMAP ? &f->sunmap : &f->intensity;
-        GP_TRY(draw_map(f, view == GLAREPP_INTENSITY,
-                        (struct gp_api_picture *) picture));
-        planes = &picture->planes;
+    if (picture) {
+        GP_TRY(draw_map(f, view == GLAREPP_INTENSITY, picture));
         data = (struct gp_rect) {0, 0, picture->w, picture->h};
-        break;
-    default:
-        break;
     }
     if (!planes || !planes->c[0])
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: the step that "

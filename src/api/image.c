@@ -56,39 +56,59 @@ static gp_status check_view(const struct gp_log *log,
     return GP_OK;
 }
 
-// -- in -----------------------------------------------------------------------
+// -- copying ------------------------------------------------------------------
 
 struct copying {
     const struct glarepp_image *view;
     ptrdiff_t pixel, row;
-    struct gp_planes planes;
+    const struct gp_planes *planes;
     size_t w;
     int h;
+    bool out;                // to the view
 };
 
-/* Copies row i % h of channel i / h from the view. */
-static void read_row(void *ctx, int i, int thread)
+/* Copies row i % h of channel i / h. */
+static void copy_row(void *ctx, int i, int thread)
 {
     const struct copying *const c = ctx;
     const int y = i % c->h, k = i / c->h;
-    const char *const from = (const char *) c->view->plane[k] + y * c->row;
-    float *const to = c->planes.c[k] + (size_t) y * c->w;
+    char *const view = (char *) c->view->plane[k] + y * c->row;
+    float *const own = c->planes->c[k] + (size_t) y * c->w;
     const bool half = c->view->type == GLAREPP_HALF;
     (void) thread;
     if (half && c->pixel == 2) {
-        gp_half_to_float((const uint16_t *) (const void *) from, to, c->w);
+        uint16_t *const code = (uint16_t *) (void *) view;
+        if (c->out)
+            gp_float_to_half(own, code, c->w);
+        else
+            gp_half_to_float(code, own, c->w);
         return;
     }
     for (size_t x = 0; x < c->w; x++) {
-        const char *const at = from + (ptrdiff_t) x * c->pixel;
+        char *const at = view + (ptrdiff_t) x * c->pixel;
         uint16_t code;
-        if (half) {
-            memcpy(&code, at, sizeof code);
-            gp_half_to_float(&code, &to[x], 1);
+        if (!half) {
+            memcpy(c->out ? at : (char *) &own[x],
+                   c->out ? (char *) &own[x] : at, sizeof *own);
+        } else if (c->out) {
+            gp_float_to_half(&own[x], &code, 1);
+            memcpy(at, &code, sizeof code);
         } else {
-            memcpy(&to[x], at, sizeof to[x]);
+            memcpy(&code, at, sizeof code);
+            gp_half_to_float(&code, &own[x], 1);
         }
     }
+}
+
+/* Copies the first planes between a view and planes of its window. */
+static void copy_planes(const struct glarepp_image *view,
+                        const struct gp_planes *planes, int n, bool out)
+{
+    const struct gp_rect data = rect_of(view->data);
+    struct copying c = {.view = view, .planes = planes, .out = out,
+                        .w = (size_t) gp_rect_w(data), .h = gp_rect_h(data)};
+    strides_of(view, &c.pixel, &c.row);
+    gp_parallel_do(n * c.h, copy_row, &c);
 }
 
 gp_status gp_api_import(const struct gp_log *log,
@@ -114,13 +134,9 @@ gp_status gp_api_import(const struct gp_log *log,
         for (int c = 0; c < 3; c++)
             f.rgb.c[c] = view->plane[c];
     } else {
-        struct copying c = {.view = view, .w = (size_t) gp_image_w(&f),
-                            .h = gp_image_h(&f)};
-        strides_of(view, &c.pixel, &c.row);
         st = gp_planes_make(log, "image", gp_image_pixels(&f), &f.rgb);
-        c.planes = f.rgb;
         if (!st)
-            gp_parallel_do(3 * c.h, read_row, &c);
+            copy_planes(view, &f.rgb, 3, false);
     }
     if (st)
         gp_image_free(&f);
@@ -138,22 +154,16 @@ gp_status gp_api_plane(const struct gp_log *log,
     const struct gp_rect data = rect_of(view->data);
     struct glarepp_image one = *view;
     one.plane[0] = view->plane[which];
-    *out = (struct gp_plane) {.window = data};
-    if (is_packed(view)) {
-        out->v = one.plane[0];
-        out->borrowed = true;
-    } else {
-        struct copying c = {.view = &one, .w = (size_t) gp_rect_w(data),
-                            .h = gp_rect_h(data)};
-        strides_of(view, &c.pixel, &c.row);
-        st = gp_alloc(log, "plane", c.w * (size_t) c.h, sizeof *out->v,
-                      &c.planes.c[0]);
-        if (st)
-            return st;
-        gp_parallel_do(c.h, read_row, &c);
-        out->v = c.planes.c[0];
-    }
-    return GP_OK;
+    *out = (struct gp_plane) {.window = data, .borrowed = is_packed(view),
+                              .v = one.plane[0]};
+    if (out->borrowed)
+        return GP_OK;
+    st = gp_alloc(log, "plane", (size_t) gp_rect_w(data) *
+                                    (size_t) gp_rect_h(data),
+                  sizeof *out->v, &out->v);
+    if (!st)
+        copy_planes(&one, &(struct gp_planes) {{out->v}}, 1, false);
+    return st;
 }
 
 gp_status gp_api_picture(struct glarepp *gp, const struct gp_log *log,
@@ -180,33 +190,6 @@ gp_status gp_api_picture(struct glarepp *gp, const struct gp_log *log,
     return st;
 }
 
-// -- out ----------------------------------------------------------------------
-
-/* Copies row i % h of channel i / h to the view. */
-static void write_row(void *ctx, int i, int thread)
-{
-    const struct copying *const c = ctx;
-    const int y = i % c->h, k = i / c->h;
-    char *const to = (char *) c->view->plane[k] + y * c->row;
-    const float *const from = c->planes.c[k] + (size_t) y * c->w;
-    const bool half = c->view->type == GLAREPP_HALF;
-    (void) thread;
-    if (half && c->pixel == 2) {
-        gp_float_to_half(from, (uint16_t *) (void *) to, c->w);
-        return;
-    }
-    for (size_t x = 0; x < c->w; x++) {
-        char *const at = to + (ptrdiff_t) x * c->pixel;
-        uint16_t code;
-        if (half) {
-            gp_float_to_half(&from[x], &code, 1);
-            memcpy(at, &code, sizeof code);
-        } else {
-            memcpy(at, &from[x], sizeof from[x]);
-        }
-    }
-}
-
 gp_status gp_api_export(const struct gp_log *log,
     const struct gp_planes *planes, struct gp_rect data,
     const struct glarepp_image *view)
@@ -220,10 +203,7 @@ gp_status gp_api_export(const struct gp_log *log,
                           "not that of the frame (found %d,%d to %d,%d)",
                           view->name ? view->name : "image", own.x0, own.y0,
                           own.x1, own.y1);
-    struct copying c = {.view = view, .planes = *planes,
-                        .w = (size_t) gp_rect_w(data), .h = gp_rect_h(data)};
-    strides_of(view, &c.pixel, &c.row);
-    gp_parallel_do(3 * c.h, write_row, &c);
+    copy_planes(view, planes, 3, true);
     return GP_OK;
 }
 

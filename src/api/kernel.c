@@ -1,4 +1,4 @@
-#include "api/kernel.h"
+#include "api/plan.h"
 
 #include "core/colour.h"
 #include "core/memory.h"

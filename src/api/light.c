@@ -1,5 +1,5 @@
 /* Suns and lamps of a frame: their places, shares and flare. */
-#include "api/frame.h"
+#include "api/plan.h"
 
 #include "core/clock.h"
 #include "core/memory.h"
@@ -7,6 +7,36 @@
 
 #include <math.h>
 #include <string.h>
+
+static gp_status read_picture(void *user, const struct gp_log *log,
+                              const char *path, struct gp_image *out)
+{
+    return gp_api_picture(user, log, path, out, NULL);
+}
+
+gp_status gp_api_lights_begin(struct glarepp_plan *plan,
+                              struct gp_api_work *work)
+{
+    const gp_status st = gp_alloc_zero(&plan->log, "lights", 1,
+                                       sizeof *work->lights, &work->lights);
+    return st ? st
+              : gp_suns_begin(&plan->log, &plan->sun, plan->glare.gl,
+                              read_picture, plan->gp, &work->lights->suns);
+}
+
+void gp_api_lights_end(struct gp_api_lights **lights)
+{
+    struct gp_api_ghosts *const ghosts[] = {&(*lights)->ghosts,
+                                            &(*lights)->group_ghosts};
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < ghosts[k]->engines; i++)
+            gp_glare_close(&ghosts[k]->engine[i]);
+        gp_free(ghosts[k]->engine);
+        gp_ghosts_free(&ghosts[k]->set);
+    }
+    gp_suns_close(&(*lights)->suns);
+    GP_FREE(*lights);
+}
 
 // -- shares outside of the frame, by the scene --------------------------------
 
@@ -33,12 +63,12 @@ static struct gp_eye_disc disc_of(const struct gp_light *l, struct gp_v3 eye)
  * decides, by rays. */
 static gp_status measure_outside(struct glarepp_frame *f)
 {
-    const struct gp_api_scene *const scene = &f->work->scene;
-    struct gp_suns *const suns = &f->work->suns;
+    struct gp_api_scene *const scene = f->work->scene;
+    struct gp_suns *const suns = &f->work->lights->suns;
     const struct gp_rect known = suns->occluders.frame;
     if (f->plan->sun.map.outside != GP_OUTSIDE_SCENE || suns->n == 0)
         return GP_OK;
-    if (!scene->has_camera)
+    if (!scene || !scene->has_camera)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.outside", "%s: shares "
                           "outside of the frame by a scene need a camera (the "
                           "frame has no worldToNDC, %s no camera)",
@@ -50,12 +80,11 @@ static gp_status measure_outside(struct glarepp_frame *f)
         struct gp_light *const l = &suns->light[i];
         const struct gp_eye_disc disc = disc_of(l, eye);
         struct gp_eye_share share;
-        gp_status st = gp_eye_rays(&f->log, &f->work->scene.scene,
-                                   &f->work->scene.meshes, &disc, &window,
-                                   &share);
+        gp_status st = gp_eye_rays(&f->log, &scene->scene, &scene->meshes,
+                                   &disc, &window, &share);
         if (!st && share.outside == 0.0 && leaves(l, known))
-            st = gp_eye_rays(&f->log, &f->work->scene.scene,
-                             &f->work->scene.meshes, &disc, NULL, &share);
+            st = gp_eye_rays(&f->log, &scene->scene, &scene->meshes, &disc,
+                             NULL, &share);
         if (st)
             return st;
         l->outside = share.clear;
@@ -68,16 +97,16 @@ static gp_status measure_outside(struct glarepp_frame *f)
 
 gp_status gp_api_place(struct glarepp_frame *f)
 {
-    const gp_status st = gp_suns_find(&f->log, &f->about, &f->image,
-                                      &f->work->suns);
-    f->facts.lights = st ? 0 : f->work->suns.n;
+    struct gp_suns *const suns = &f->work->lights->suns;
+    const gp_status st = gp_suns_find(&f->log, &f->about, &f->image, suns);
+    f->facts.lights = st ? 0 : suns->n;
     return st;
 }
 
 /* Copies the facts about lights, whose state the next frame reuses. */
 static gp_status note_shares(struct glarepp_frame *f)
 {
-    struct gp_suns *const suns = &f->work->suns;
+    struct gp_suns *const suns = &f->work->lights->suns;
     const struct gp_occluders *const o = &suns->occluders;
     GP_FREE(f->share);
     const gp_status st = gp_alloc_zero(&f->log, "lights", (size_t) suns->n + 1,
@@ -112,8 +141,8 @@ gp_status gp_api_shares(struct glarepp_frame *f)
         [GP_SUN_EXACT] = "exact", [GP_SUN_MASK] = "mask",
         [GP_SUN_READBACK] = "readback",
     };
-    struct gp_suns *const suns = &f->work->suns;
-    if (f->plan->facts.lights)
+    struct gp_suns *const suns = &f->work->lights->suns;
+    if (f->plan->lit)
         f->facts.shares_by = methods[f->plan->sun.method];
     if (!f->hidden)
         gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
@@ -124,18 +153,12 @@ gp_status gp_api_shares(struct glarepp_frame *f)
         st = gp_suns_measure(&f->log, suns);
     if (!st && suns->gl)
         f->facts.shares_gl = gp_gl_info(suns->gl)->name;
-    return st || !f->plan->facts.lights ? st : note_shares(f);
-}
-
-gp_status gp_api_join(struct glarepp_frame *f)
-{
-    return gp_suns_join(&f->log, &f->work->suns, &f->image, &f->sources,
-                        &f->joined);
+    return st || !f->plan->lit ? st : note_shares(f);
 }
 
 gp_status gp_api_flare(struct glarepp_frame *f)
 {
-    struct gp_suns *const suns = &f->work->suns;
+    struct gp_suns *const suns = &f->work->lights->suns;
     struct glarepp_flare_facts *const facts = &f->facts.flare;
     gp_status st = GP_OK;
     suns->flare.frame = f->p.numbered ? f->p.number : 0;
@@ -145,8 +168,8 @@ gp_status gp_api_flare(struct glarepp_frame *f)
         st = gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image);
     const double cpu = gp_cpu_ms();
     if (!st)
-        st = gp_api_ghosts_add(f, &f->sources, &f->work->ghosts, &f->image,
-                               facts);
+        st = gp_api_ghosts_add(f, &f->sources, &f->work->lights->ghosts,
+                               &f->image, facts);
     f->facts.engines_ms = facts->ms;
     f->facts.engines_cpu_ms = gp_cpu_ms() - cpu;
     return st;
@@ -235,7 +258,7 @@ gp_status gp_api_ghosts_add(struct glarepp_frame *f,
     const struct gp_sources *src, struct gp_api_ghosts *ghosts,
     struct gp_image *image, struct glarepp_flare_facts *facts)
 {
-    const struct gp_flare *const flare = &f->work->suns.flare;
+    const struct gp_flare *const flare = &f->work->lights->suns.flare;
     const double start = gp_now_ms();
     double error = 0.0; // norm of the errors
     double light = 0.0; // squared norms of the layers

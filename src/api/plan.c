@@ -165,6 +165,7 @@ static gp_status take_scene(struct glarepp_plan *plan,
     GP_TRY(keep(plan, &p.camera));
     GP_TRY(keep_list(plan, &p.relight, p.relights));
     plan->scene = p;
+    plan->lit |= p.path != NULL;
     plan->sun.more_flux |= p.path && p.light_scale > 0.0;
 out:
     return st;
@@ -258,23 +259,11 @@ static void free_work(struct gp_api_work **work)
     struct gp_api_work *const w = *work;
     gp_glare_close(&w->engines);
     gp_glare_close(&w->group_engines);
-    struct gp_api_ghosts *const ghosts[] = {&w->ghosts, &w->group_ghosts};
-    for (int k = 0; k < 2; k++) {
-        for (int i = 0; i < ghosts[k]->engines; i++)
-            gp_glare_close(&ghosts[k]->engine[i]);
-        gp_free(ghosts[k]->engine);
-        gp_ghosts_free(&ghosts[k]->set);
-    }
-    gp_suns_close(&w->suns);
-    gp_api_scene_end(&w->scene);
+    if (w->lights)
+        gp_api_lights_end(&w->lights);
+    if (w->scene)
+        gp_api_scene_end(&w->scene);
     GP_FREE(*work);
-}
-
-static gp_status read_picture(void *user, const struct gp_log *log,
-                              const char *path, struct gp_image *out)
-{
-    const struct glarepp_plan *const plan = user;
-    return gp_api_picture(plan->gp, log, path, out, NULL);
 }
 
 gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
@@ -290,9 +279,10 @@ gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
     if (w)
         return GP_OK;
     GP_TRY(gp_alloc_zero(&plan->log, "plan", 1, sizeof *w, &w));
-    GP_TRY(gp_suns_begin(&plan->log, &plan->sun, plan->glare.gl, read_picture,
-                         plan, &w->suns));
-    GP_TRY(gp_api_scene_begin(plan, w));
+    if (plan->lit || plan->sun.flare)
+        GP_TRY(gp_api_lights_begin(plan, w));
+    if (plan->scene.path)
+        GP_TRY(gp_api_scene_begin(plan, w));
     *out = w;
     w = NULL;
 out:
@@ -305,7 +295,8 @@ void gp_api_give_back(struct glarepp_plan *plan, struct gp_api_work **work)
 {
     if (!*work)
         return;
-    gp_suns_end_frame(&(*work)->suns);
+    if ((*work)->lights)
+        gp_suns_end_frame(&(*work)->lights->suns);
     pthread_mutex_lock(&plan->lock);
     (*work)->next = plan->work;
     plan->work = *work;
@@ -318,7 +309,9 @@ static gp_status fill_facts(struct glarepp_plan *plan,
                             const struct gp_api_work *w)
 {
     struct glarepp_plan_facts *const f = &plan->facts;
-    const struct gp_flare *const flare = &w->suns.flare;
+    const struct gp_flare none = {0};
+    const struct gp_flare *const flare =
+        w->lights ? &w->lights->suns.flare : &none;
     const char *const own[] = {plan->sun.lights, plan->sun.camera, flare->path,
                                plan->lens_params.lens, plan->scene.path};
     if (plan->ocio)
@@ -342,7 +335,7 @@ static gp_status fill_facts(struct glarepp_plan *plan,
     }
     for (int i = 0; i < n; i++)
         plan->file[f->files++] = more[i];
-    f->lights = plan->lit || plan->scene.path;
+    f->lights = plan->lit;
     return GP_OK;
 }
 
@@ -398,7 +391,8 @@ void glarepp_plan_end(struct glarepp_plan **handle)
     }
     gp_kernels_free(&plan->kernels);
     glarepp_kernel_end(&plan->own);
-    gp_ocio_close(&plan->ocio);
+    if (plan->ocio)
+        gp_ocio_close(&plan->ocio);
     for (int i = 0; i < plan->texts; i++)
         free(plan->text[i]);
     gp_free(plan->text);

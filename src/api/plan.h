@@ -1,10 +1,12 @@
-/* The library's plan: parameters of the rooms, and what frames share. */
+/* The library's kernels, plans (parameters of the rooms, and what frames share)
+ * and frames. */
 #ifndef GP_API_PLAN_H
 #define GP_API_PLAN_H
 
-#include "api/kernel.h"
+#include "api/api.h"
 #include "glare/edges.h"
 #include "glare/engine.h"
+#include "glare/kernel_kept.h"
 #include "glare/sensors.h"
 #include "scene/eye.h"
 #include "scene/gltf/gltf.h"
@@ -16,11 +18,25 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+struct glarepp_kernel {
+    struct glarepp *gp;
+    struct gp_kernel_request request;
+    char *text[GP_RECIPES];  // of each recipe; owned
+};
+
+// -- plans --------------------------------------------------------------------
+
 /* Elements of a flare that are drawn for bright pixels, and their engines. */
 struct gp_api_ghosts {
     struct gp_ghosts set;
     struct gp_glare *engine; // `engines` of them, owned
     int engines;
+};
+
+/* Lights and flares. */
+struct gp_api_lights {
+    struct gp_suns suns;
+    struct gp_api_ghosts ghosts, group_ghosts;
 };
 
 /* A scene, and the camera and lights of the frame that it is posed for. */
@@ -38,9 +54,9 @@ struct gp_api_scene {
 /* What a plan lends to a frame while it computes. */
 struct gp_api_work {
     struct gp_glare engines, group_engines;
-    struct gp_suns suns;
-    struct gp_api_scene scene;
-    struct gp_api_ghosts ghosts, group_ghosts;
+    struct gp_api_lights *lights;  // NULL: none, no flare and no scene is asked
+                                   // for
+    struct gp_api_scene *scene;    // NULL: none
     struct gp_api_work *next;      // that is not lent
 };
 
@@ -61,7 +77,8 @@ struct glarepp_plan {
     struct gp_glare_params glare;
     struct gp_compose_params compose;
     enum gp_surround_how edges;
-    bool lit;                      // a frame may have lights
+    bool lit;                      // a frame may have lights, its own or a
+                                   // scene's
     struct gp_sun_params sun;
     struct gp_light_spec camera_sun; // sun.sun
     struct glarepp_lens_params lens_params; // lens NULL: none
@@ -98,9 +115,90 @@ static inline bool gp_api_says(struct glarepp_plan *plan, unsigned bit)
     return !(atomic_fetch_or(&plan->said, bit) & bit);
 }
 
-/* Reads the scene of a plan; light.c and scene.c. */
+/* Read the files of a plan, of light.c and scene.c. */
+GP_MUST_CHECK gp_status gp_api_lights_begin(struct glarepp_plan *plan,
+                                            struct gp_api_work *work);
+void gp_api_lights_end(struct gp_api_lights **lights);
 GP_MUST_CHECK gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
                                            struct gp_api_work *work);
-void gp_api_scene_end(struct gp_api_scene *scene);
+void gp_api_scene_end(struct gp_api_scene **scene);
+
+// -- frames -------------------------------------------------------------------
+
+/* A layer of a frame's light. With groups only these glare, each compared with
+ * the threshold by itself. */
+struct gp_api_group {
+    struct gp_image image;
+    bool borrowed;                 // image.rgb is the caller's
+    struct gp_sources sources;
+};
+
+/* A picture to look at, of a size of its own. */
+struct gp_api_picture {
+    struct gp_planes planes;
+    int w, h;
+};
+
+struct glarepp_frame {
+    struct glarepp_plan *plan;
+    struct gp_api_sink sink;
+    struct gp_log log;
+    struct glarepp_frame_params p; // image, group and matrices are in:
+    struct gp_sun_about about;
+    struct gp_image image;
+    bool borrowed;                 // image.rgb is the caller's
+    struct gp_api_group *group;    // owned
+    int groups;
+    struct gp_plane depth, mask, normal[3], albedo[3];
+    struct gp_api_work *work;      // lent, from the first step that needs it
+    struct gp_sources sources;     // of the frame, or of the groups together
+    struct gp_sources joined;      // sources and lights; empty: no lights
+    double mean, white;            // luminance of the picture, and of scene
+                                   // value 1 in cd/m2, for eyes
+    struct gp_made_kernel *kernel; // held; NULL: none was needed
+    bool composed;                 // image.lit was made
+    struct gp_planes *converted;   // lit, in the output space, of the frame and
+                                   // of its groups; owned
+    struct gp_planes sources_shown, polygons, truth;
+    double *exact;                 // the layer in double, where it is kept; owned
+    bool hidden;                   // work.lights knows depth and mask
+    struct gp_api_picture sunmap, intensity;
+    struct glarepp_share *share;   // facts.light
+    struct glarepp_relit *relit;   // facts.relit
+    struct glarepp_facts facts;
+};
+
+/* The kernel of a frame; empty where none was needed. */
+const struct gp_kernel *gp_api_kernel(const struct glarepp_frame *f);
+
+/* Makes image.layer, all 0, unless it is there. */
+GP_MUST_CHECK gp_status gp_api_dark_layer(struct glarepp_frame *f);
+
+/* The vertical angle of view by the plan or the frame's or scene's camera; 0:
+ * by none. */
+double gp_api_camera_fov(const struct glarepp_frame *f);
+
+/* Steps of light.c, lens.c and scene.c, for plans that ask for them. */
+gp_status gp_api_pose(struct glarepp_frame *f);
+gp_status gp_api_relight(struct glarepp_frame *f);
+gp_status gp_api_place(struct glarepp_frame *f);
+gp_status gp_api_shares(struct glarepp_frame *f);
+gp_status gp_api_flare(struct glarepp_frame *f);
+gp_status gp_api_lens(struct glarepp_frame *f);
+
+/* Adds flare of bright pixels for `src` to an image's layer. */
+GP_MUST_CHECK gp_status gp_api_ghosts_add(struct glarepp_frame *f,
+    const struct gp_sources *src, struct gp_api_ghosts *ghosts,
+    struct gp_image *image, struct glarepp_flare_facts *facts);
+
+/* The stop of the lens as it is focused and closed for a frame. */
+struct gp_api_stop {
+    double focal, f_number; // mm
+    double fov;             // degrees, of the display window's height
+    int blades;
+    double turn;            // degrees, counter-clockwise
+};
+/* Finds it; false: it cannot be focused so, an error of the step. */
+bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out);
 
 #endif

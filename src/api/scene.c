@@ -1,6 +1,6 @@
 /* The scene of a frame: read once, posed for each, its lights and camera handed to
  * the lights' steps. */
-#include "api/frame.h"
+#include "api/plan.h"
 
 #include "core/depth.h"
 #include "core/memory.h"
@@ -68,10 +68,10 @@ gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
 {
     const struct glarepp_scene_params *const p = &plan->scene;
     const struct gp_log *const log = &plan->log;
-    struct gp_api_scene *const own = &work->scene;
+    struct gp_api_scene *own;
     gp_status st;
-    if (!p->path)
-        return GP_OK;
+    GP_TRY(gp_alloc_zero(log, "scene", 1, sizeof *own, &work->scene));
+    own = work->scene;
     GP_TRY(gp_api_scene_read(plan->gp, log, p->path, p->up, &own->scene));
     const struct gp_scene *const s = &own->scene;
     const struct gp_scene_camera *const camera =
@@ -84,19 +84,19 @@ gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
         GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too many lights (found %d); the "
                        "limit is %d", p->path, s->lights, GP_LIGHTS_MAX));
     if (camera)
-        work->suns.more_fov = camera->yfov * (180.0 / PI);
+        work->lights->suns.more_fov = camera->yfov * (180.0 / PI);
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) s->lights + 1,
                          sizeof *own->spec, &own->spec));
 out:
     return st;
 }
 
-void gp_api_scene_end(struct gp_api_scene *s)
+void gp_api_scene_end(struct gp_api_scene **scene)
 {
-    gp_meshes_free(&s->meshes);
-    gp_scene_free(&s->scene);
-    gp_free(s->spec);
-    *s = (struct gp_api_scene) {0};
+    gp_meshes_free(&(*scene)->meshes);
+    gp_scene_free(&(*scene)->scene);
+    gp_free((*scene)->spec);
+    GP_FREE(*scene);
 }
 
 // -- a frame's lights ---------------------------------------------------------
@@ -159,13 +159,13 @@ static double time_of(const struct glarepp_frame *f)
     return f->p.numbered
                ? ((double) f->p.number - f->plan->scene.start) /
                      (f->p.fps > 0.0 ? f->p.fps : USUAL_RATE)
-               : f->work->scene.scene.start;
+               : f->work->scene->scene.start;
 }
 
 /* Warns once where a sequence runs beside the scene's keys. */
 static void warn_of_time(const struct glarepp_frame *f, double seconds)
 {
-    const struct gp_scene *const s = &f->work->scene.scene;
+    const struct gp_scene *const s = &f->work->scene->scene;
     if (s->start == s->end ||
         (seconds >= s->start - 0.5 / USUAL_RATE &&
          seconds <= s->end + 0.5 / USUAL_RATE) ||
@@ -180,7 +180,7 @@ static void warn_of_time(const struct glarepp_frame *f, double seconds)
 static void compare_cameras(struct glarepp_frame *f, const char *name,
                             const struct gp_camera *theirs)
 {
-    const struct gp_api_scene *const own = &f->work->scene;
+    const struct gp_api_scene *const own = f->work->scene;
     struct glarepp_scene_facts *const facts = &f->facts.scene;
     char apart[64] = "see nothing in common";
     facts->apart = gp_scene_apart(&own->scene, &own->frame_camera, theirs,
@@ -199,13 +199,13 @@ static void compare_cameras(struct glarepp_frame *f, const char *name,
  * the scene's own. */
 static gp_status find_camera(struct glarepp_frame *f)
 {
-    struct gp_api_scene *const own = &f->work->scene;
+    struct gp_api_scene *const own = f->work->scene;
     struct gp_scene *const s = &own->scene;
     const struct gp_rect display = f->image.display;
     struct gp_camera theirs;
     char names[512];
     gp_status st;
-    GP_TRY(gp_suns_camera(&f->log, &f->work->suns, &f->about, &f->image,
+    GP_TRY(gp_suns_camera(&f->log, &f->work->lights->suns, &f->about, &f->image,
                           &own->frame_camera, &own->has_camera));
     if (!own->settled && own->has_camera)
         gp_scene_turn(s, gp_scene_find_up(s, &own->frame_camera));
@@ -238,7 +238,7 @@ out:
 static gp_status check_relight(const struct glarepp_frame *f)
 {
     const struct glarepp_scene_params *const p = &f->plan->scene;
-    const struct gp_api_scene *const own = &f->work->scene;
+    const struct gp_api_scene *const own = f->work->scene;
     const gp_status st = gp_relit_find(&f->log, &own->scene, p->relight,
                                        p->relights, NULL);
     if (st || !p->relights)
@@ -255,9 +255,7 @@ static gp_status check_relight(const struct glarepp_frame *f)
 
 gp_status gp_api_pose(struct glarepp_frame *f)
 {
-    struct gp_api_scene *const own = &f->work->scene;
-    if (!f->plan->scene.path)
-        return GP_OK;
+    struct gp_api_scene *const own = f->work->scene;
     const double seconds = time_of(f);
     warn_of_time(f, seconds);
     gp_scene_pose(&own->scene, seconds);
@@ -273,7 +271,7 @@ gp_status gp_api_pose(struct glarepp_frame *f)
     for (int i = 0; i < own->scene.lights; i++)
         own->spec[i] = spec_of(f->plan, &own->scene.light[i], c,
                                f->image.display);
-    f->work->suns.more = (struct gp_suns_more) {
+    f->work->lights->suns.more = (struct gp_suns_more) {
         .spec = own->spec, .specs = own->scene.lights, .camera = c,
     };
     return GP_OK;
@@ -288,30 +286,22 @@ static gp_status check_planes(const struct glarepp_frame *f)
     static const char *const name[] = {"depth", "normals", "albedo"};
     static const char *const parameter[] = {"frame.depth", "frame.normal",
                                             "frame.albedo"};
-    if (!f->work->scene.has_camera)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.cameras", "%s: "
-                          "relighting needs a camera, and neither the frame nor "
-                          "the scene has one", f->sink.name);
-    if (f->plan->sun.depth_type != GP_DEPTH_Z)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.depth", "relighting "
-                          "needs distances along the view axis");
-    for (int i = 0; i < 3; i++) {
+    gp_status st = check_relight(f);
+    for (int i = 0; i < 3 && !st; i++) {
         if (!plane[i]->v)
-            return gp_fail_at(&f->log, GP_ERR_USAGE, parameter[i], "%s: "
-                              "relighting needs %s", f->sink.name, name[i]);
+            st = gp_fail_at(&f->log, GP_ERR_USAGE, parameter[i], "%s: "
+                            "relighting needs %s", f->sink.name, name[i]);
     }
-    return GP_OK;
+    return st;
 }
 
 gp_status gp_api_relight(struct glarepp_frame *f)
 {
     const struct glarepp_scene_params *const p = &f->plan->scene;
-    struct gp_api_scene *const own = &f->work->scene;
+    struct gp_api_scene *const own = f->work->scene;
     struct gp_relit_light *lit = NULL;
     gp_status st;
     int n = 0;
-    if (!p->relights)
-        return GP_OK;
     GP_TRY(check_planes(f));
     const struct gp_relit_frame frame = {
         .path = f->sink.name, .up_unknown = !own->settled,

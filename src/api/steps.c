@@ -1,13 +1,12 @@
 /* The steps of a frame that are not its lights', its lens's and its scene's; and
  * the order of all. */
-#include "api/frame.h"
+#include "api/plan.h"
 
 #include "core/clock.h"
 #include "core/colour.h"
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "glare/splat/polygons.h"
 #include "tone/tone.h"
 
 #include <math.h>
@@ -143,7 +142,9 @@ static struct gp_field find_field(struct glarepp_frame *f)
     facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
     if (!(fov > 0.0)) {
         struct gp_api_stop stop = {.fov = GP_USUAL_FOV};
-        facts->fov_from = gp_api_lens_stop(f, &stop) ? "lens" : "default";
+        const bool known =
+            f->plan->lens_params.lens && gp_api_lens_stop(f, &stop);
+        facts->fov_from = known ? "lens" : "default";
         fov = stop.fov;
     }
     struct gp_field field = gp_field_of(&f->image, fov);
@@ -163,7 +164,7 @@ static void reach_lights(const struct glarepp_frame *f, struct gp_field *field)
 {
     enum { STEP = 128, MOST = 8192 }; // twice that is what all GL drivers draw
     int offset[2], *const size[2] = {&field->w, &field->h};
-    gp_suns_offsets(&f->work->suns, f->image.data, offset);
+    gp_suns_offsets(&f->work->lights->suns, f->image.data, offset);
     for (int i = 0; i < 2; i++) {
         const int most = gp_min(3 * *size[i], MOST);
         if (offset[i] >= *size[i])
@@ -317,20 +318,22 @@ static gp_status make_kernel(struct glarepp_frame *f)
     struct glarepp_kernel_facts *const facts = &f->facts.kernel;
     const struct gp_kernel_request *const r = f->plan->request;
     const double from = gp_now_ms(), cpu = gp_cpu_ms();
+    const struct gp_api_lights *const lights = f->work->lights;
     struct gp_recipe recipe[GP_RECIPES];
     struct gp_api_stop stop;
     bool made;
     int worst;
     gp_status st;
-    if (!f->sources.n && !gp_suns_have_light(&f->work->suns, false))
+    if (!f->sources.n && !(lights && gp_suns_have_light(&lights->suns, false)))
         return GP_OK;
     struct gp_field field = find_field(f);
     memcpy(recipe, r->recipe, sizeof recipe);
-    if (gp_api_lens_stop(f, &stop))
+    if (f->plan->lens_params.lens && gp_api_lens_stop(f, &stop))
         fit_lens(&stop, r->recipes, recipe);
     for (int i = 0; i < r->recipes; i++)
         gp_recipe_adapt(&recipe[i], f->mean, f->white);
-    reach_lights(f, &field);
+    if (lights)
+        reach_lights(f, &field);
     if (f->plan->edges == GP_SURROUND_MIRROR) {
         const int more = 2 * gp_mirror_reach(gp_image_w(&f->image),
                                              gp_image_h(&f->image));
@@ -420,7 +423,11 @@ static gp_status add_layer(struct glarepp_frame *f)
         .engine = "none", .why = "no pixel is over the threshold",
     };
     struct gp_glare_params p = f->plan->glare;
-    gp_status st = gp_api_join(f);
+    struct gp_api_lights *const lights = f->work->lights;
+    gp_status st = GP_OK;
+    if (lights)
+        st = gp_suns_join(&f->log, &lights->suns, &f->image, &f->sources,
+                          &f->joined);
     if (st)
         return st;
     const struct gp_sources *const light = all_light(f);
@@ -485,8 +492,8 @@ static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
     if (g->sources.n > 0)
         st = gp_glare_run(&f->log, &glare, &f->work->group_engines, &g->sources,
                           gp_api_kernel(f), &g->image, &stats);
-    if (!st)
-        st = gp_api_ghosts_add(f, &g->sources, &f->work->group_ghosts,
+    if (!st && f->work->lights)
+        st = gp_api_ghosts_add(f, &g->sources, &f->work->lights->group_ghosts,
                                &g->image, &flare);
     if (g->sources.n > 0) {
         f->facts.engines_ms += gp_now_ms() - start;
@@ -511,7 +518,8 @@ static gp_status compose(struct glarepp_frame *f)
 {
     struct glarepp_plan *const plan = f->plan;
     struct gp_compose_params p = plan->compose;
-    p.dim = plan->sun.adapt * (float) gp_suns_mean(&f->work->suns);
+    if (f->work->lights)
+        p.dim = plan->sun.adapt * (float) gp_suns_mean(&f->work->lights->suns);
     p.last = f->p.layer_ends;
     note_flux(f);
     if (plan->ocio) {
@@ -563,6 +571,17 @@ static const struct {
     [GLAREPP_DONE] = {"done", finish},
 };
 
+/* True where a plan asks for what a step does. */
+static bool is_asked(const struct glarepp_plan *plan, enum glarepp_step step)
+{
+    return step == GLAREPP_POSE      ? plan->scene.path != NULL
+           : step == GLAREPP_RELIGHT ? plan->scene.relights > 0
+           : step == GLAREPP_LENS    ? plan->lens_params.lens != NULL
+           : step == GLAREPP_PLACE || step == GLAREPP_SHARES ? plan->lit
+           : step == GLAREPP_FLARE   ? plan->lit || plan->sun.flare
+                                     : true;
+}
+
 /* Lends work to a frame, for the steps that need it. */
 static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
 {
@@ -574,14 +593,16 @@ static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
 int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
 {
     const struct gp_api_call call = gp_api_begin(f->plan->gp);
-    gp_status st;
+    gp_status st = GP_OK;
     if (step >= GLAREPP_STEPS)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "step", "frame: no such step "
                           "(found %d)", (int) step));
+    f->facts.engines_ms = f->facts.engines_cpu_ms = 0.0;
+    if (!is_asked(f->plan, step))
+        goto out;
     GP_TRY(gp_api_progress(f->plan->gp, steps[step].name,
                            (double) step / GLAREPP_STEPS));
     GP_TRY(borrow_work(f, step));
-    f->facts.engines_ms = f->facts.engines_cpu_ms = 0.0;
     GP_TRY(steps[step].run(f));
 out:
     return gp_api_end(&call, st);
@@ -596,15 +617,8 @@ int glarepp_execute(struct glarepp_plan *plan, const struct glarepp_image *in,
     int st;
     p.image = *in;
     st = glarepp_frame(plan, &p, &f);
-    if (!st && plan->scene.path)
-        st = glarepp_frame_run(f, GLAREPP_POSE);
-    if (!st && plan->facts.lights)
-        st = glarepp_frame_run(f, GLAREPP_PLACE);
-    for (int i = GLAREPP_SHARES; i <= GLAREPP_DONE && !st; i++) {
-        const bool idle = (i == GLAREPP_SHARES && !plan->facts.lights) ||
-                          i == GLAREPP_VERIFY || i == GLAREPP_TONE ||
-                          (i == GLAREPP_LENS && !plan->lens_params.lens);
-        if (!idle)
+    for (int i = 0; i < GLAREPP_STEPS && !st; i++) {
+        if (i != GLAREPP_RELIGHT && i != GLAREPP_VERIFY && i != GLAREPP_TONE)
             st = glarepp_frame_run(f, (enum glarepp_step) i);
     }
     if (!st) {

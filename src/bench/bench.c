@@ -25,7 +25,6 @@ struct bench {
     struct glarepp_plan *plan;   // of the truth
     struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
     struct glarepp_sense_facts sense;
-    size_t first;                // the first source's pixel, row by row
     struct gp_planes shown;      // exact composite, tone mapped; empty: no FLIP
     double *ms;                  // of runs
 };
@@ -119,7 +118,7 @@ out:
 enum { BLOCK = 32 }; // no group or cluster of bench's is cut by one
 
 gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
-                        size_t first, int nth, struct gp_frame *out)
+                        int nth, struct gp_frame *out)
 {
     const size_t n = gp_frame_pixels(f), w = (size_t) gp_frame_w(f);
     struct gp_frame thin = gp_frame_blank(f->data);
@@ -137,48 +136,41 @@ gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
         float *const to = thin.rgb.c[c];
         const float *const from = f->rgb.c[c];
         memset(to, 0, n * sizeof *to);
-        for (size_t at = 0; at < n && nth > 0;) {
+        for (size_t at = 0; at < n;) {
             const size_t x = at % w, y = at / w;
             const size_t run = w - x < BLOCK ? w - x : BLOCK;
             if ((x / BLOCK + y / BLOCK * step) % (size_t) nth == 0)
                 memcpy(to + at, from + at, run * sizeof *to);
             at += run;
         }
-        if (nth == 0 && first < n)
-            to[first] = from[first];
     }
     *out = thin;
     return GP_OK;
 }
 
-/* Runs some of the sources twice, and only one source twice. */
+/* Runs some of the sources, twice: the first run makes the state. */
 static gp_status run_thinned(struct trial *t, int nth)
 {
     gp_status st;
     struct gp_bench_row *const row = t->row;
     const struct bench *const b = t->b;
-    struct gp_frame thin = {0}, single = {0};
-    struct run first, warm, least;
-    GP_TRY(gp_bench_thin(&t->log, b->f, b->first, nth, &thin));
-    GP_TRY(gp_bench_thin(&t->log, b->f, b->first, 0, &single));
-    GP_TRY(run_once(t, &single, &first, NULL)); // makes the state
-    GP_TRY(run_once(t, &single, &least, NULL));
+    struct gp_frame thin = {0};
+    struct run first, warm;
+    GP_TRY(gp_bench_thin(&t->log, b->f, nth, &thin));
+    GP_TRY(run_once(t, &thin, &first, NULL));
     GP_TRY(run_once(t, &thin, &warm, NULL));
     row->share = (double) warm.sources / (double) b->sense.sources;
     if (warm.sources == 0)
         goto out;
     row->extrapolated = true;
     row->runs = 1;
-    // work that grows with each source, on top of what a single one costs
-    const double base = least.glare_ms < warm.glare_ms ? least.glare_ms : 0.0;
-    row->ms = warm.sense_ms + base + (warm.glare_ms - base) / row->share;
+    row->ms = warm.sense_ms + warm.glare_ms / row->share;
     row->ms_min = row->ms_max = row->ms;
-    row->ms_first = row->ms + fmax(first.ms - least.ms, 0.0);
+    row->ms_first = row->ms + fmax(first.ms - warm.ms, 0.0);
     row->polygons = (double) row->facts.polygons / row->share;
     row->polygon_pixels = row->facts.polygon_pixels / row->share;
 out:
     gp_frame_free(&thin);
-    gp_frame_free(&single);
     return st;
 }
 
@@ -467,14 +459,6 @@ static gp_status make_truth(struct bench *b)
     b->sense = glarepp_frame_facts(b->truth)->sense;
     if (!b->sense.sources)
         return GP_OK;
-    GP_TRY(glarepp_frame_view(b->truth, GLAREPP_SOURCES, 0, &view));
-    for (b->first = 0; b->first < n; b->first++) {
-        bool lit = false;
-        for (int c = 0; c < 3; c++)
-            lit |= ((float *) view.plane[c])[b->first] > 0.0f;
-        if (lit)
-            break;
-    }
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_KERNEL));
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_LAYER));
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_VERIFY));

@@ -135,13 +135,12 @@ GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
 
 // -- bench.c -----------------------------------------------------------------
 
-/* For extrapolating: makes *out a frame with the same light in one of `nth` of its
- * 32x32 pixel blocks, evenly spread, and no light at all elsewhere; with only the
- * pixel `first` (row by row) when `nth` is 0.
+/* For extrapolating: makes *out a frame with the same light in one of `nth` of
+ * its 32x32 pixel blocks, evenly spread, and no light at all elsewhere.
  *   out  only rgb; free with gp_frame_free()
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bench_thin(const struct gp_log *log,
-    const struct gp_frame *f, size_t first, int nth, struct gp_frame *out);
+    const struct gp_frame *f, int nth, struct gp_frame *out);
 
 // -- sun.c -------------------------------------------------------------------
 

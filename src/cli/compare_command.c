@@ -410,17 +410,18 @@ static gp_status draw(struct run *r, int which)
     return st;
 }
 
-/* Has the library compare two images, by all limits of the command line. */
-static gp_status measure(const struct run *r, const struct gp_stored_image image[2],
+/* Has the library compare two images, by all limits of the command line.
+ *   channel  lists that *out borrows, freed by gp_free() after it */
+static gp_status measure(const struct run *r,
+                         const struct gp_stored_image image[2],
+                         struct glarepp_channel *channel[2],
                          struct glarepp_compare **out)
 {
     const struct gp_compare_settings *const s = &r->s->compare;
     const double *const e = s->flip_exposures.v;
     struct glarepp_compare_params p = s->limits;
     struct glarepp_stored stored[2];
-    struct glarepp_channel *channel[2] = {NULL, NULL};
     gp_status st;
-    *out = NULL;
     p.most = r->s->input.read.max_pixels;
     p.start = (float) e[0];
     p.stop = (float) e[1];
@@ -443,8 +444,6 @@ static gp_status measure(const struct run *r, const struct gp_stored_image image
     }
     GP_TRY(glarepp_compare(r->gp, &p, &stored[0], &stored[1], out));
 out:
-    gp_free(channel[0]);
-    gp_free(channel[1]);
     return st;
 }
 
@@ -452,10 +451,11 @@ static gp_status compare_images(struct run *r,
                                 const struct gp_stored_image image[2])
 {
     gp_status st;
-    struct glarepp_compare *compare;
+    struct glarepp_compare *compare = NULL;
+    struct glarepp_channel *channel[2] = {NULL, NULL};
     const struct gp_compare_settings *const p = &r->s->compare;
     bool unwritten = false;
-    GP_TRY(measure(r, image, &compare));
+    GP_TRY(measure(r, image, channel, &compare));
     const struct glarepp_compare_facts *const f = glarepp_compare_facts(compare);
     for (int k = 0; k < 2; k++)
         r->row.image[k] = &image[k];
@@ -485,6 +485,8 @@ static gp_status compare_images(struct run *r,
         st = GP_ERR_IO; // else the difference is the status, as idiff's
 out:
     glarepp_compare_end(&compare);
+    gp_free(channel[0]);
+    gp_free(channel[1]);
     return st;
 }
 

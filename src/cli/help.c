@@ -345,9 +345,10 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
     }
     if (!topic) {
         static const char *const heads[] = {
-            "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
-            "TOPIC is a command:", "the options of pictures:",
-            "options for a task:", "a section of the manual:",
+            ("Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
+             "TOPIC is a command:"),
+            "the options of pictures:", "options for a task:",
+            "a section of the manual:",
         };
         struct topic t;
         for (int i = 0, kind = -1; topic_at(i, &t); i++) {

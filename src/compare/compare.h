@@ -11,18 +11,15 @@
 
 #include <stdbool.h>
 
-/* Channels of one name, or of one number where the name fits none; NULL, and
- * 0 everywhere, in an image without it. */
-struct gp_compare_pair {
-    const struct glarepp_channel *a, *b;
-};
-
-/* Two images over each other, both borrowed: they must outlive it. */
+/* Two images over each other, both borrowed: they must outlive it. Channels of
+ * one name are a pair, or of one number where the name fits none. */
 struct gp_compare_match {
     const struct glarepp_stored *a, *b;
-    struct gp_rect window;         // union of the data windows
-    struct gp_compare_pair *pair;  // R, G, B, A first, else a's order; owned
-    int pairs;
+    struct gp_rect window; // union of the data windows
+    int pairs;             // R, G, B, A first, else a's order
+    const char **name;     // of each, borrowed in a list that is owned
+    int *in[2];            // channel of each in a and b, owned; -1: none, and 0
+                           // everywhere
     bool lit;                      // both have colour
     float luminance[3];            // weights of a's primaries
 };
@@ -35,9 +32,6 @@ GP_MUST_CHECK gp_status gp_compare_match_make(
     const struct gp_log *log, const struct glarepp_stored *a,
     const struct glarepp_stored *b, struct gp_compare_match *m);
 void gp_compare_match_free(struct gp_compare_match *m);
-
-/* Returns the name of a pair's channel. */
-const char *gp_compare_name(const struct gp_compare_match *m, int pair);
 
 /* Sets *out: figures over the union of the windows; outside its own window an
  * image is 0, and so are the samples that a deep pixel has less than that of the

@@ -11,14 +11,14 @@
 
 // -- pairs of channels -------------------------------------------------------
 
-static const struct glarepp_channel *find_channel(
-    const struct glarepp_stored *image, const char *name)
+/* Returns the first channel of that name; -1: none. */
+static int find_channel(const struct glarepp_stored *image, const char *name)
 {
     for (int i = 0; i < image->channels; i++) {
         if (strcmp(image->channel[i].name, name) == 0)
-            return &image->channel[i];
+            return i;
     }
-    return NULL;
+    return -1;
 }
 
 static struct gp_rect rect_of(const struct glarepp_stored *image)
@@ -43,54 +43,54 @@ gp_status gp_compare_match_make(
     };
     gp_luminance_weights(a->primaries ? a->primaries : gp_rec709_chromaticities,
                          m->luminance);
-    gp_status st = gp_alloc(log, "channels",
-                            (size_t) a->channels + (size_t) b->channels + 1,
-                            sizeof *m->pair, &m->pair);
-    if (st)
-        return st;
+    const size_t n = (size_t) a->channels + (size_t) b->channels + 1;
+    gp_status st;
+    GP_TRY(gp_alloc(log, "channels", n, sizeof *m->name, &m->name));
+    GP_TRY(gp_alloc(log, "channels", n, 2 * sizeof(int), &m->in[0]));
+    int *const in_a = m->in[0], *const in_b = m->in[1] = m->in[0] + n;
     for (int i = -4; i < a->channels + b->channels; i++) {
         const char *const name = i < 0 ? first[i + 4]
                                  : i < a->channels
                                      ? a->channel[i].name
                                      : b->channel[i - a->channels].name;
-        const struct gp_compare_pair p = {find_channel(a, name),
-                                          find_channel(b, name)};
-        bool known = !p.a && !p.b; // as idiff has them: the first of equals
+        const int at[] = {find_channel(a, name), find_channel(b, name)};
+        // as idiff has them: the first of equals
+        bool known = at[0] < 0 && at[1] < 0;
         for (int k = 0; k < m->pairs && !known; k++)
-            known = strcmp(gp_compare_name(m, k), name) == 0;
+            known = strcmp(m->name[k], name) == 0;
         if (known)
             continue;
-        m->pair[m->pairs++] = p;
+        m->name[m->pairs] = name;
+        in_a[m->pairs] = at[0];
+        in_b[m->pairs++] = at[1];
     }
     // by number where no name fits; what gave its channel away goes
     int kept = 0;
     for (int i = 0, k = 0; i < m->pairs; i++) {
-        struct gp_compare_pair *const p = &m->pair[i];
-        while (!p->b && k < m->pairs && m->pair[k].a)
+        while (in_b[i] < 0 && k < m->pairs && in_a[k] >= 0)
             k++;
-        if (!p->b && k < m->pairs) {
-            p->b = m->pair[k].b;
-            m->pair[k++].b = NULL;
+        if (in_b[i] < 0 && k < m->pairs) {
+            in_b[i] = in_b[k];
+            in_b[k++] = -1;
         }
     }
     for (int i = 0; i < m->pairs; i++) {
-        if (m->pair[i].a || m->pair[i].b)
-            m->pair[kept++] = m->pair[i];
+        if (in_a[i] < 0 && in_b[i] < 0)
+            continue;
+        m->name[kept] = in_a[i] < 0 ? b->channel[in_b[i]].name : m->name[i];
+        in_a[kept] = in_a[i];
+        in_b[kept++] = in_b[i];
     }
     m->pairs = kept;
-    return GP_OK;
+out:
+    return st;
 }
 
 void gp_compare_match_free(struct gp_compare_match *m)
 {
-    GP_FREE(m->pair);
-    m->pairs = 0;
-}
-
-const char *gp_compare_name(const struct gp_compare_match *m, int pair)
-{
-    const struct gp_compare_pair *const p = &m->pair[pair];
-    return p->a ? p->a->name : p->b->name;
+    gp_free(m->name);
+    gp_free(m->in[0]);
+    *m = (struct gp_compare_match) {0};
 }
 
 // -- values ------------------------------------------------------------------
@@ -115,10 +115,13 @@ static int64_t samples_at(const struct glarepp_stored *image, int64_t at,
     return image->first[at + 1] - image->first[at];
 }
 
-static double value_at(const struct glarepp_channel *c, int64_t at)
+/* The value of a channel, by its number. */
+static double value_at(const struct glarepp_stored *image, int channel,
+                       int64_t at)
 {
-    if (!c || at < 0)
+    if (channel < 0 || at < 0)
         return 0.0;
+    const struct glarepp_channel *const c = &image->channel[channel];
     return c->is_uint ? (double) ((const uint32_t *) c->v)[at]
                     : (double) ((const float *) c->v)[at];
 }
@@ -189,9 +192,9 @@ static void sum_row(void *ctx, int row, int thread)
             s->uneven_x = x;
         const int64_t most = in_a > in_b ? in_a : in_b;
         for (int64_t k = 0; k < most; k++) for (int c = 0; c < m->pairs; c++) {
-            const struct gp_compare_pair *const p = &m->pair[c];
-            const double a = value_at(p->a, k < in_a ? at_a + k : -1);
-            const double b = value_at(p->b, k < in_b ? at_b + k : -1);
+            const int ca = m->in[0][c], cb = m->in[1][c];
+            const double a = value_at(m->a, ca, k < in_a ? at_a + k : -1);
+            const double b = value_at(m->b, cb, k < in_b ? at_b + k : -1);
             if (!isfinite(a) || !isfinite(b)) {
                 if (same_nonfinite(a, b))
                     continue;
@@ -200,8 +203,8 @@ static void sum_row(void *ctx, int row, int thread)
                 note_worst(s, (double) INFINITY, x, c, a, b);
                 continue;
             }
-            const bool uints = (p->a && p->a->is_uint) ||
-                               (p->b && p->b->is_uint);
+            const bool uints = (ca >= 0 && m->a->channel[ca].is_uint) ||
+                               (cb >= 0 && m->b->channel[cb].is_uint);
             // floats are subtracted as floats: idiff's figures to the last
             // digit
             const double f = uints ? fabs(a - b)
@@ -269,7 +272,8 @@ gp_status gp_compare_measure(
     double error = 0.0, square = 0.0, reference = 0.0, peak = 1.0;
     *out = (struct glarepp_compare_facts) {
         .window = {m->window.x0, m->window.y0, m->window.x1, m->window.y1},
-        .pairs = m->pairs, .lit = m->lit,
+        .pairs = m->pairs, .pair = m->name, .in_a = m->in[0], .in_b = m->in[1],
+        .lit = m->lit,
         .pixels = (long long) gp_rect_w(rect_of(m->a)) *
                   gp_rect_h(rect_of(m->a)),
         .x = m->window.x0, .y = m->window.y0, .seen = -1,
@@ -418,8 +422,8 @@ void gp_compare_subtract(const struct gp_compare_match *m, int pair,
     for (int y = m->window.y0; y < m->window.y1; y++) {
         for (int x = m->window.x0; x < m->window.x1; x++) {
             const float d =
-                (float) (value_at(m->pair[pair].a, index_at(m->a, x, y)) -
-                         value_at(m->pair[pair].b, index_at(m->b, x, y)));
+                (float) (value_at(m->a, m->in[0][pair], index_at(m->a, x, y)) -
+                         value_at(m->b, m->in[1][pair], index_at(m->b, x, y)));
             *to++ = (absolute ? fabsf(d) : d) * scale;
         }
     }

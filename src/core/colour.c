@@ -1,6 +1,5 @@
 #include "core/colour.h"
 
-#include "core/core_priv.h"
 
 #include <math.h>
 #include <stdbool.h>

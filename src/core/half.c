@@ -1,6 +1,5 @@
-/* The plain forms are branch-free integer arithmetic, which the compiler turns
- * into SSE2 or NEON; the AVX2 forms use the CPU's own conversion
- * (F16C). Both give the same bits. */
+/* Branch-free integer arithmetic, which the compiler turns into vectors. The
+ * CPU's own conversion (F16C) is twice as fast, a fiftieth of a run. */
 #include "core/half.h"
 
 #include "core/bytes.h"
@@ -54,78 +53,16 @@ static inline uint16_t to_half(float f)
     return (uint16_t) (h | (u >> 16 & 0x8000));
 }
 
-#ifdef HAVE_F16C
-
-GP_X86_AVX2 static size_t half_to_float_wide(const uint16_t *in, float *out,
-                                             size_t n)
+GP_CLONES void gp_half_to_float(const uint16_t *in, float *out, size_t n)
 {
-    size_t i = 0;
-    for (; i + 8 <= n; i += 8) {
-        __m128i h = _mm_loadu_si128((const __m128i *) (in + i));
-        _mm256_storeu_ps(out + i, _mm256_cvtph_ps(h));
-    }
-    return i;
-}
-
-/* Adds to *clamped. */
-GP_X86_AVX2 static size_t float_to_half_wide(const float *in, uint16_t *out,
-                                             size_t n, size_t *clamped)
-{
-    const __m256i sign = _mm256_set1_epi32((int) 0x80000000);
-    size_t i = 0;
-    for (; i + 8 <= n; i += 8) {
-        __m256 f = _mm256_loadu_ps(in + i);
-        const __m256i u = _mm256_castps_si256(f);
-        const __m256i body = _mm256_andnot_si256(sign, u);
-        // clamp what is over 65504 but not infinite
-        const __m256i over = _mm256_and_si256(
-            _mm256_cmpgt_epi32(body, _mm256_set1_epi32(FLOAT_65520 - 1)),
-            _mm256_cmpgt_epi32(_mm256_set1_epi32(FLOAT_INF), body));
-        const int mask = _mm256_movemask_ps(_mm256_castsi256_ps(over));
-        if (mask != 0) {
-            const __m256i most = _mm256_or_si256(
-                _mm256_and_si256(u, sign), _mm256_set1_epi32(FLOAT_65504));
-            f = _mm256_castsi256_ps(_mm256_blendv_epi8(u, most, over));
-            *clamped += (size_t) __builtin_popcount((unsigned) mask);
-        }
-        const __m128i h = _mm256_cvtps_ph(f, _MM_FROUND_TO_NEAREST_INT);
-        _mm_storeu_si128((__m128i *) (out + i), h);
-    }
-    return i;
-}
-
-GP_X86_AVX2 static size_t round_wide(float *v, size_t n)
-{
-    size_t i = 0;
-    for (; i + 8 <= n; i += 8) {
-        __m128i h = _mm256_cvtps_ph(_mm256_loadu_ps(v + i),
-                                    _MM_FROUND_TO_NEAREST_INT);
-        _mm256_storeu_ps(v + i, _mm256_cvtph_ps(h));
-    }
-    return i;
-}
-
-#endif
-
-void gp_half_to_float(const uint16_t *in, float *out, size_t n)
-{
-    size_t done = 0;
-#ifdef HAVE_F16C
-    if (gp_cpu_has_avx2())
-        done = half_to_float_wide(in, out, n);
-#endif
-    for (size_t i = done; i < n; i++)
+    for (size_t i = 0; i < n; i++)
         out[i] = to_float(in[i]);
 }
 
-size_t gp_float_to_half(const float *in, uint16_t *out, size_t n)
+GP_CLONES size_t gp_float_to_half(const float *in, uint16_t *out, size_t n)
 {
-    size_t done = 0, clamped = 0;
-#ifdef HAVE_F16C
-    if (gp_cpu_has_avx2())
-        done = float_to_half_wide(in, out, n, &clamped);
-#endif
-    for (size_t i = done; i < n; i++) {
+    size_t clamped = 0;
+    for (size_t i = 0; i < n; i++) {
         const uint32_t u = gp_bits_of(in[i]), body = u & 0x7fffffff;
         const bool over = body >= FLOAT_65520 && body < FLOAT_INF;
         out[i] = to_half(over ? gp_float_with_bits((u & 0x80000000) |
@@ -140,13 +77,8 @@ float gp_half_nearest(float v)
     return to_float(to_half(v));
 }
 
-void gp_half_round(float *v, size_t n)
+GP_CLONES void gp_half_round(float *v, size_t n)
 {
-    size_t done = 0;
-#ifdef HAVE_F16C
-    if (gp_cpu_has_avx2())
-        done = round_wide(v, n);
-#endif
-    for (size_t i = done; i < n; i++)
+    for (size_t i = 0; i < n; i++)
         v[i] = gp_half_nearest(v[i]);
 }

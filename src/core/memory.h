@@ -39,7 +39,7 @@ GP_MUST_CHECK gp_status gp_resize(const struct gp_log *log, const char *what,
 void gp_free(void *p);
 
 /* Keeps the pages of freed blocks for the next ones, of any size: stages of a
- * frame take turns with them, and so do frames of a sequence (core/arena.c).
+ * frame take turns with them, and so do frames of a sequence.
  * It is for the whole process, and for good. */
 void gp_keep_memory(void);
 

@@ -387,22 +387,17 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     return GP_OK;
 }
 
-/* Finds what not every driver of 4.5 has. */
-static void find_extras(struct gp_gl *gl)
+/* Finds whether fragments can be counted, as not every driver of 4.5 can. */
+static void find_counts(struct gp_gl *gl)
 {
     GLint n = 0;
     gl->f.GetIntegerv(GL_NUM_EXTENSIONS, &n);
-    for (GLuint i = 0; i < (GLuint) (n > 0 ? n : 0); i++) {
-        const char *name = (const char *) gl->f.GetStringi(GL_EXTENSIONS, i);
-        if (!name)
-            continue;
-        if (strcmp(name, "GL_EXT_depth_bounds_test") == 0)
-            gl->depth_bounds = (gp_gl_depth_bounds)
-                gl->system->proc(gl->window, "glDepthBoundsEXT");
-        if (strcmp(name, "GL_ARB_pipeline_statistics_query") == 0)
-            gl->info.counts = true;
+    for (GLint i = 0; i < n && !gl->info.counts; i++) {
+        const char *const name =
+            (const char *) gl->f.GetStringi(GL_EXTENSIONS, (GLuint) i);
+        gl->info.counts =
+            name && strcmp(name, "GL_ARB_pipeline_statistics_query") == 0;
     }
-    gl->info.depth_bounds = gl->depth_bounds != NULL;
     if (gl->info.counts)
         gl->f.GenQueries(1, &gl->query);
 }
@@ -436,9 +431,6 @@ static gp_status open_system(const struct gp_log *log,
     const int asked = gp_env()->gl_size;
     const int least = gp_min(texture, gp_min(viewport[0], viewport[1]));
     gl->info.max_size = asked > 0 && asked < least ? asked : least;
-    GLfloat point[2] = {0};
-    f->GetFloatv(GL_POINT_SIZE_RANGE, point);
-    gl->info.max_point = point[1];
     f->GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &gl->info.max_block);
     f->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &gl->info.max_texel_buffer);
 
@@ -452,7 +444,7 @@ static gp_status open_system(const struct gp_log *log,
     f->BlendFunc(GL_ONE, GL_ONE);
     f->PixelStorei(GL_PACK_ALIGNMENT, 4);
     f->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    find_extras(gl);
+    find_counts(gl);
     GP_TRY(gp_gl_check(log, gl, "setting up the context"));
     *out = gl;
     return GP_OK;

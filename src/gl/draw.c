@@ -23,15 +23,14 @@ gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
     if (st)
         return st;
     static const GLenum format[] = {
-        [GP_TEXEL_FLOAT] = GL_RGBA32F, [GP_TEXEL_LINEAR] = GL_RGBA32F,
-        [GP_TEXEL_BYTE] = GL_RGBA8, [GP_TEXEL_CODE] = GL_R16UI,
+        [GP_TEXEL_FLOAT] = GL_RGBA32F, [GP_TEXEL_BYTE] = GL_RGBA8,
+        [GP_TEXEL_CODE] = GL_R16UI, [GP_TEXEL_DEPTH] = GL_DEPTH_COMPONENT32F,
     };
-    const GLint filter = kind == GP_TEXEL_LINEAR ? GL_LINEAR : GL_NEAREST;
     struct gp_texture t = {.w = w, .h = h};
     gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t.id);
     gl->f.TextureStorage2D(t.id, 1, format[kind], w, h);
-    gl->f.TextureParameteri(t.id, GL_TEXTURE_MIN_FILTER, filter);
-    gl->f.TextureParameteri(t.id, GL_TEXTURE_MAG_FILTER, filter);
+    gl->f.TextureParameteri(t.id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->f.TextureParameteri(t.id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     st = gp_gl_check(log, gl, what);
@@ -67,27 +66,11 @@ void gp_texture_free(const struct gp_gl *gl, struct gp_texture *t)
 
 /* -- targets --------------------------------------------------------------- */
 
-/* Makes the depth texture of a target. */
-static gp_status make_depth(const struct gp_log *log, const struct gp_gl *gl,
-                            const char *what, struct gp_target *t)
+gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
+                         const char *what, enum gp_texel kind, int n, int w,
+                         int h, struct gp_target *out)
 {
-    gp_status st = check_size(log, gl, what, t->w, t->h);
-    if (st)
-        return st;
-    t->depth = (struct gp_texture) {.w = t->w, .h = t->h};
-    gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t->depth.id);
-    gl->f.TextureStorage2D(t->depth.id, 1, GL_DEPTH_COMPONENT32F, t->w, t->h);
-    gl->f.TextureParameteri(t->depth.id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->f.TextureParameteri(t->depth.id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl->f.NamedFramebufferTexture(t->framebuffer, GL_DEPTH_ATTACHMENT,
-                                  t->depth.id, 0);
-    return gp_gl_check(log, gl, what);
-}
-
-static gp_status make_target(const struct gp_log *log, const struct gp_gl *gl,
-    const char *what, enum gp_texel kind, int n, bool deep, int w, int h,
-    struct gp_target *out)
-{
+    const bool deep = kind == GP_TEXEL_DEPTH;
     static const GLenum buffers[GP_ATTACHMENTS] = {
         GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
         GL_COLOR_ATTACHMENT3, GL_COLOR_ATTACHMENT4, GL_COLOR_ATTACHMENT5,
@@ -98,12 +81,16 @@ static gp_status make_target(const struct gp_log *log, const struct gp_gl *gl,
     gl->f.CreateFramebuffers(1, &t.framebuffer);
     for (; t.n < n; t.n++) {
         struct gp_texture *to = t.n ? &t.more[t.n - 1] : &t.colour;
-        GP_TRY(gp_texture_make(log, gl, what, kind, w, h, to));
+        GP_TRY(gp_texture_make(log, gl, what, deep ? GP_TEXEL_FLOAT : kind, w,
+                               h, to));
         gl->f.NamedFramebufferTexture(t.framebuffer, buffers[t.n], to->id, 0);
     }
     gl->f.NamedFramebufferDrawBuffers(t.framebuffer, n, buffers);
-    if (deep)
-        GP_TRY(make_depth(log, gl, what, &t));
+    if (deep) {
+        GP_TRY(gp_texture_make(log, gl, what, kind, w, h, &t.depth));
+        gl->f.NamedFramebufferTexture(t.framebuffer, GL_DEPTH_ATTACHMENT,
+                                      t.depth.id, 0);
+    }
     GLenum state = gl->f.CheckNamedFramebufferStatus(t.framebuffer,
                                                      GL_DRAW_FRAMEBUFFER);
     if (state != GL_FRAMEBUFFER_COMPLETE) {
@@ -119,20 +106,6 @@ static gp_status make_target(const struct gp_log *log, const struct gp_gl *gl,
 out:
     gp_target_free(gl, &t);
     return st;
-}
-
-gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
-                         const char *what, enum gp_texel kind, int n, int w,
-                         int h, struct gp_target *out)
-{
-    return make_target(log, gl, what, kind, n, false, w, h, out);
-}
-
-gp_status gp_target_make_deep(const struct gp_log *log, const struct gp_gl *gl,
-                              const char *what, enum gp_texel kind, int n,
-                              int w, int h, struct gp_target *out)
-{
-    return make_target(log, gl, what, kind, n, true, w, h, out);
 }
 
 void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
@@ -370,10 +343,6 @@ static void set_space(const struct gp_gl *gl, const struct gp_draw *draw,
         (on ? f->Enable : f->Disable)(GL_CULL_FACE);
         f->CullFace(draw->cull == GP_CULL_FRONT ? GL_FRONT : GL_BACK);
     }
-    if (draw->bounds[1] > 0.0f && gl->depth_bounds) {
-        (on ? f->Enable : f->Disable)(GP_GL_DEPTH_BOUNDS_TEST);
-        gl->depth_bounds((double) draw->bounds[0], (double) draw->bounds[1]);
-    }
     for (int i = 0; i < draw->clips; i++)
         (on ? f->Enable : f->Disable)(GL_CLIP_DISTANCE0 + (GLenum) i);
 }
@@ -405,10 +374,9 @@ gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
     gl->f.Enable(GL_SCISSOR_TEST);
     gl->f.Scissor(cut.x0, cut.y0, gp_rect_w(cut), gp_rect_h(cut));
     (draw->replace ? gl->f.Disable : gl->f.Enable)(GL_BLEND);
-    (draw->points ? gl->f.Enable : gl->f.Disable)(GL_PROGRAM_POINT_SIZE);
     set_space(gl, draw, true);
-    gl->f.DrawArraysInstanced(draw->points ? GL_POINTS : GL_TRIANGLES,
-                              draw->first, draw->vertices, draw->instances);
+    gl->f.DrawArraysInstanced(GL_TRIANGLES, draw->first, draw->vertices,
+                              draw->instances);
     set_space(gl, draw, false);
     gl->f.Disable(GL_SCISSOR_TEST);
     // llvmpipe (Mesa 22.3) does not know that a draw still reads an image or a

@@ -54,12 +54,9 @@ struct gp_gl_info {
     int max_size;         // of textures and targets, in pixels: the least of
                           // GL_MAX_TEXTURE_SIZE, GL_MAX_VIEWPORT_DIMS and
                           // gp_env()->gl_size
-    float max_point;      // of gl_PointSize, in pixels, >= 1: larger points
-                          // are drawn smaller; GL_POINT_SIZE_RANGE
     int max_block;        // of a uniform block, in bytes, >= 16384;
                           // GL_MAX_UNIFORM_BLOCK_SIZE
     int max_texel_buffer; // in texels, >= 65536; GL_MAX_TEXTURE_BUFFER_SIZE
-    bool depth_bounds;    // gp_draw.bounds counts: GL_EXT_depth_bounds_test
     bool counts;          // gp_count_end() works: GL 4.6, or
                           // GL_ARB_pipeline_statistics_query
 };
@@ -78,13 +75,14 @@ GP_MUST_CHECK gp_status gp_gl_check(const struct gp_log *log,
  */
 
 /* Four numbers a texel, red first; of CODE one.
- *   FLOAT   RGBA32F, not clamped; read by texelFetch or imageLoad only
- *   LINEAR  RGBA32F, also sampled: GL_LINEAR between texel centres, and
- *           clamped to the edge
+ *   FLOAT   RGBA32F, not clamped; read by texelFetch or imageLoad
  *   BYTE    RGBA8: [0, 1] in 255ths, and sums are rounded too; texelFetch
  *   CODE    R16UI: whole numbers up to 65535, texelFetch of a usampler2D; not
- *           of targets */
-enum gp_texel { GP_TEXEL_FLOAT, GP_TEXEL_LINEAR, GP_TEXEL_BYTE, GP_TEXEL_CODE };
+ *           of targets
+ *   DEPTH   of a target: FLOAT, and a depth buffer of 32-bit floats. Depth is
+ *           reversed: 1 at the near plane, 0 infinitely far, so that near /
+ *           distance keeps the precision of its float at every distance */
+enum gp_texel { GP_TEXEL_FLOAT, GP_TEXEL_BYTE, GP_TEXEL_CODE, GP_TEXEL_DEPTH };
 
 struct gp_texture {
     unsigned id; // 0: empty
@@ -116,23 +114,16 @@ struct gp_target {
     struct gp_texture colour;                    // attachment 0
     struct gp_texture more[GP_ATTACHMENTS - 1];  // attachments 1, 2, ...
     int n;                                       // attachments in use
-    struct gp_texture depth;                     // empty: none
+    struct gp_texture depth; // of DEPTH; read as a texture too, red by
+                             // texelFetch, while nothing draws to it
     int w, h;
 };
 
-/* Makes a target of w x h pixels with n attachments (1 to GP_ATTACHMENTS; a
- * fragment's outputs at locations 0 to n - 1 go to them), not cleared; free
- * with gp_target_free(). Errors as for textures, and GP_ERR_GL when the driver
- * cannot draw to such texels. */
+/* Makes a target of w x h pixels with n attachments (1 to GP_ATTACHMENTS, or 0
+ * with depth; a fragment's outputs at locations 0 to n - 1 go to them), not
+ * cleared; free with gp_target_free(). Errors as for textures, and GP_ERR_GL
+ * when the driver cannot draw to such texels. */
 GP_MUST_CHECK gp_status gp_target_make(const struct gp_log *log,
-    const struct gp_gl *gl, const char *what, enum gp_texel kind, int n, int w,
-    int h, struct gp_target *out);
-
-/* The same with a depth buffer, of 32-bit floats; n may be 0. Depth is reversed:
- * 1 at the near plane, 0 infinitely far, so that near / distance keeps the
- * precision of its float at every distance. `depth` is read as a texture too,
- * red by texelFetch, while nothing draws to it. */
-GP_MUST_CHECK gp_status gp_target_make_deep(const struct gp_log *log,
     const struct gp_gl *gl, const char *what, enum gp_texel kind, int n, int w,
     int h, struct gp_target *out);
 
@@ -228,13 +219,12 @@ enum gp_depth_test {
  * upwards, which is down in an image. */
 enum gp_cull { GP_CULL_NONE, GP_CULL_BACK, GP_CULL_FRONT };
 
-/* Triangles (or points) without vertex buffers: shaders make all from
- * gl_VertexID (`first` and on) and gl_InstanceID. Fragments add to the target: GL_ONE, GL_ONE;
- * with `replace` they are written as they are.
+/* Triangles without vertex buffers: shaders make all from gl_VertexID (`first`
+ * and on) and gl_InstanceID. Fragments add to the target: GL_ONE, GL_ONE; with
+ * `replace` they are written as they are.
  *
  * `view` is what clip coordinates -1 to 1 span, in pixels of the target; all
- * zero is the target. It may reach beyond the target, up to max_size wide and
- * high: a point whose centre is outside of it is not drawn at all. */
+ * zero is the target. It may reach beyond it, up to max_size wide and high. */
 struct gp_draw {
     const struct gp_program *program;
     const struct gp_target *target;
@@ -244,14 +234,9 @@ struct gp_draw {
     int first, vertices, instances;
     enum gp_depth_test depth;
     enum gp_cull cull;
-    float bounds[2];    // least and largest depth of the target between which
-                        // fragments are drawn; 0, 0: any; where info has
-                        // depth_bounds, else ignored
     int clips;          // gl_ClipDistance[] that the shader writes, all of
                         // them, up to 8
     bool replace;
-    bool points; // a vertex is a square of gl_PointSize pixels, at most
-                 // max_point; pixels know theirs by gl_FragCoord
 };
 
 /* Errors: GP_ERR_BUG a uniform that the program does not use. The caller checks

@@ -61,7 +61,6 @@ extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
     X(PFNGLFINISHPROC, Finish)                                                \
     X(PFNGLGENQUERIESPROC, GenQueries)                                        \
     X(PFNGLGETERRORPROC, GetError)                                            \
-    X(PFNGLGETFLOATVPROC, GetFloatv)                                          \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                      \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                          \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                    \
@@ -101,15 +100,10 @@ struct gp_gl_functions {
 #undef GP_GL_FIELD
 };
 
-/* GL_EXT_depth_bounds_test, which glcorearb.h has not. */
-#define GP_GL_DEPTH_BOUNDS_TEST 0x8890
-typedef void (APIENTRYP gp_gl_depth_bounds)(double least, double most);
-
 struct gp_gl {
     const struct gp_gl_system *system;
     void *window;
     struct gp_gl_functions f;
-    gp_gl_depth_bounds depth_bounds; // NULL: not there
     GLuint vertex_array; // core profile draws nothing without one
     GLuint query;        // of gp_count_begin(); 0: the driver counts nothing
     struct gp_gl_info info;

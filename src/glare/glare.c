@@ -376,7 +376,7 @@ out:
 void gp_glare_close(struct gp_glare *g)
 {
     for (int i = 0; gp_engines[i]; i++) {
-        if (gp_engines[i]->close)
+        if (g->state[i])
             gp_engines[i]->close(&g->state[i]);
     }
     gp_outside_free(&g->outside);

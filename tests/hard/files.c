@@ -546,8 +546,7 @@ static double differing(const struct format *t, const struct picture *got,
         ((float *) pixels.at)[i] = codes.v[i] / 255.0f;
     if (gp_oiio_write(&kept_log, &img, NULL, &pixels, t->ending, "uint8", "",
                       &file) ||
-        gp_read_image(&kept_log, &limits, t->ending, &file, 0, &back) ||
-        gp_decoded_load(&kept_log, &back))
+        gp_read_image(&kept_log, &limits, t->ending, &file, 0, &back))
         hard_die(t->ending, kept_line);
     double differ = gp_rect_w(back.data) == got->w &&
                     gp_rect_h(back.data) == got->h ? 0.0 : HARD_NO_BAR;

@@ -163,8 +163,6 @@ static void close_context(struct gp_splat *s)
 static void close_splat(void **state)
 {
     struct gp_splat *const s = *state;
-    if (!s)
-        return;
     close_context(s);
     gp_free(s->texel);
     GP_FREE(*state);

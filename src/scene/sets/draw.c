@@ -297,8 +297,8 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
         gp_texture_write_codes(gl, &d->cutout[i], c->alpha);
     }
     GP_TRY(make_programs(d));
-    GP_TRY(gp_target_make_deep(log, gl, "picture of the scene", GP_TEXEL_FLOAT,
-                               1, p->w, p->h, &d->picture));
+    GP_TRY(gp_target_make(log, gl, "picture of the scene", GP_TEXEL_DEPTH, 1,
+                          p->w, p->h, &d->picture));
     GP_TRY(gp_gl_check(log, gl, "uploading the scene"));
     *out = d;
     return GP_OK;
@@ -481,8 +481,8 @@ static gp_status draw_map(struct gp_drawing *d, const struct gp_draw_light *l,
     const int h = map->cube ? 2 * map->side : map->side;
     gp_status st;
     if (!to->framebuffer)
-        GP_TRY(gp_target_make_deep(d->log, d->gl, "map of shadows",
-                                   GP_TEXEL_FLOAT, 0, w, h, to));
+        GP_TRY(gp_target_make(d->log, d->gl, "map of shadows", GP_TEXEL_DEPTH, 0, w,
+                              h, to));
     gp_target_clear(d->gl, to, (struct gp_rect) {0, 0, w, h});
     d->counts.passes++;
     for (int i = 0; i < l->shadows; i++) {
@@ -563,12 +563,6 @@ static gp_status draw_lit(struct gp_drawing *d, const struct gp_draw_light *l,
         .program = &d->light[wide ? SPOT_IN_CUBE : (int) of->kind],
         .target = &d->picture, .cut = l->cut, .depth = GP_DEPTH_SAME,
     };
-    if (l->near > 0.0 || isfinite(l->far)) {
-        // reversed depth: the far end is the least
-        draw.bounds[0] = isfinite(l->far) ? (float) (d->p.near / l->far) : 0.0f;
-        draw.bounds[1] = l->near > d->p.near ? (float) (d->p.near / l->near)
-                                             : 1.0f;
-    }
     d->counts.passes++;
     for (int i = 0; i < l->lits; i++) {
         const struct gp_object *const o = &s->object[l->lit[i]];

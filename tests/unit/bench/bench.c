@@ -89,7 +89,7 @@ static void parts_are_even_and_untouched(void **state)
         struct gp_frame f = grey(rows[r].w, rows[r].h, 2.0f), part;
         const size_t n = gp_frame_pixels(&f);
         size_t lit = 0;
-        assert_ok(gp_bench_thin(NULL, &f, 0, rows[r].parts, &part));
+        assert_ok(gp_bench_thin(NULL, &f, rows[r].parts, &part));
         assert_true(part.data.x0 == -9 && part.data.y0 == 5);
         for (size_t i = 0; i < n; i++) {
             const float v = part.rgb.c[1][i];
@@ -100,26 +100,10 @@ static void parts_are_even_and_untouched(void **state)
         if (!(share >= rows[r].least && share <= rows[r].most))
             fail_msg("row %zu: a share of %g", r, share);
         gp_frame_free(&part);
-        // and one source alone: the first
-        assert_ok(gp_bench_thin(NULL, &f, n / 3, 0, &part));
-        for (size_t i = 0; i < n; i++)
-            assert_true(part.rgb.c[1][i] ==
-                        (i == n / 3 ? f.rgb.c[1][i] : 0.0f));
-        gp_frame_free(&part);
         gp_frame_free(&f);
     }
 }
 
-static void no_light_has_a_part_without_any(void **state)
-{
-    struct gp_frame f = grey(40, 30, -9.0f), part;
-    assert_ok(gp_bench_thin(NULL, &f, gp_frame_pixels(&f), 0, &part));
-    for (size_t i = 0; i < gp_frame_pixels(&f); i++)
-        assert_true(part.rgb.c[0][i] == 0.0f);
-    gp_frame_free(&part);
-    gp_frame_free(&f);
-}
-
 SUITE_OF(bench, NULL, NULL, the_front_is_what_nothing_beats,
     layers_have_their_own_front, options_ask_for_the_technique,
-    parts_are_even_and_untouched, no_light_has_a_part_without_any)
+    parts_are_even_and_untouched)

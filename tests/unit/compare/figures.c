@@ -238,9 +238,9 @@ static void numbers_decide_where_no_name_does(void **state)
         image_make(&b, rows[i].b, (struct gp_rect) {0, 0, 5, 4});
         assert_ok(gp_compare_match_make(NULL, &a.raw, &b.raw, &m));
         for (int k = 0; k < m.pairs; k++) {
-            const struct gp_compare_pair p = m.pair[k];
-            snprintf(text + 4 * k, 5, "%s-%s ", gp_compare_name(&m, k),
-                     p.a && p.b ? p.b->name : "0");
+            const int in_b = m.in[0][k] < 0 ? -1 : m.in[1][k];
+            snprintf(text + 4 * k, 5, "%s-%s ", m.name[k],
+                     in_b < 0 ? "0" : b.raw.channel[in_b].name);
         }
         assert_string_equal(text, rows[i].wanted);
         gp_compare_match_free(&m);

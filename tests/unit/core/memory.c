@@ -1,4 +1,4 @@
-/* core/memory, core/arena: sizes that overflow, alignment, and large blocks
+/* core/memory: sizes that overflow, alignment, and large blocks
  * that stay from frame to frame without adding to what was in use. */
 #include "unit.h"
 #include "core/image.h"

@@ -1,6 +1,6 @@
 /* gl: contexts open, fail with words, live side by side; textures come back
  * bit for bit; what is too large or wrong is named; shaders' messages point at
- * their files; targets, uniforms, points and lists are to a shader what they
+ * their files; targets, uniforms and lists are to a shader what they
  * were meant to be. */
 #include "unit.h"
 #include "gl_open.h"
@@ -408,7 +408,7 @@ static void uniforms_arrive(void **state)
 {
     static const char frag[] =
         "uniform float one; uniform vec2 two; uniform vec4 four;\n"
-        "uniform ivec2 whole; uniform sampler2D texture0, smooth0;\n"
+        "uniform ivec2 whole; uniform sampler2D texture0;\n"
         "layout(rgba32f) readonly uniform image2D image0;\n"
         "layout(rgba32f) readonly uniform imageBuffer list0;\n"
         "layout(std140) uniform Block { vec4 entry[2]; };\n"
@@ -418,27 +418,21 @@ static void uniforms_arrive(void **state)
         "    a = vec4(one, two, four.w);\n"
         "    b = vec4(whole, texelFetch(texture0, ivec2(1, 0), 0).g,\n"
         "             imageLoad(image0, ivec2(0, 1)).b);\n"
-        "    c = vec4(imageLoad(list0, 2).r, entry[1].a, VALUE,\n"
-        "             textureLod(smooth0, two, 0.0).r); }\n";
+        "    c = vec4(imageLoad(list0, 2).r, entry[1].a, VALUE, four.r); }\n";
     static const float texels[16] = {[5] = 7.0f, [10] = 8.0f, [12] = 9.0f};
     static const float want[12] = {0.5f, 0.25f, 0.75f, 3.0f, -4.0f, 5.0f,
-                                   7.0f, 8.0f,  11.0f, 12.0f, 13.0f, 12.0f};
+                                   7.0f, 8.0f,  11.0f, 12.0f, 13.0f, 0.0f};
     static const float entries[12] = {[7] = 12.0f, [8] = 11.0f};
     const struct gp_rect square = {0, 0, 2, 2};
-    struct gp_texture sharp = {0}, smooth = {0};
+    struct gp_texture sharp = {0};
     struct gp_buffer list = {0}, block = {0};
     float got[12];
     open_stage("#define VALUE 13.0\n", good_vert.text, frag, 3, 1, 1);
     assert_ok(
         gp_texture_make(&kept_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
-    assert_ok(
-        gp_texture_make(&kept_log, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth));
     assert_ok(gp_buffer_make(&kept_log, gl, "c", GP_BUFFER_TEXELS, 3, &list));
     assert_ok(gp_buffer_make(&kept_log, gl, "d", GP_BUFFER_BLOCK, 2, &block));
     gp_texture_write(gl, &sharp, square, texels);
-    float rows[16] = {0};
-    rows[8] = rows[12] = 12.0f; // 3/4 down is the lower texels' centre
-    gp_texture_write(gl, &smooth, square, rows);
     gp_buffer_write(gl, &list, 1, 2, entries + 4);
     gp_buffer_write(gl, &block, 0, 2, entries);
     const struct gp_uniform u[] = {
@@ -446,7 +440,6 @@ static void uniforms_arrive(void **state)
         {.name = "two", .floats = 2, .f = {0.25f, 0.75f}},
         {.name = "four", .floats = 4, .f = {0, 0, 0, 3.0f}},
         {.name = "whole", .v = {-4, 5}},
-        {.name = "smooth0", .texture = &smooth},
         {.name = "texture0", .texture = &sharp},
         {.name = "image0", .image = &sharp}, {.name = "list0", .texels = &list},
         {.name = "Block", .block = &block}, {0}};
@@ -461,85 +454,8 @@ static void uniforms_arrive(void **state)
     assert_int_equal(draw_once(absent, false), GP_ERR_BUG);
     assert_kept("Absent");
     gp_texture_free(gl, &sharp);
-    gp_texture_free(gl, &smooth);
     gp_buffer_free(gl, &list);
     gp_buffer_free(gl, &block);
-    close_stage();
-}
-
-/* Between texel centres as a straight line, beyond them the edge. */
-static void linear_textures_mix(void **state)
-{
-    static const char frag[] =
-        "uniform sampler2D t; uniform vec2 at; out vec4 c;\n"
-        "void main() { c = textureLod(t, at, 0.0); }\n";
-    static const float texels[16] = {1, 0, 0, 0, 2, 0, 0, 0,
-                                     5, 0, 0, 0, 9, 0, 0, 0};
-    static const struct { float x, y, want; } rows[] = {
-        {0.25f, 0.25f, 1.0f}, {0.75f, 0.25f, 2.0f}, {0.5f, 0.25f, 1.5f},
-        {0.5f, 0.5f, 4.25f}, {0.25f, 0.375f, 2.0f}, {0.0f, 0.0f, 1.0f},
-        {-3.0f, 0.25f, 1.0f}, {9.0f, 9.0f, 9.0f},
-    };
-    struct gp_texture t = {0};
-    float px[4];
-    open_stage("", good_vert.text, frag, 1, 1, 1);
-    assert_ok(gp_texture_make(&kept_log, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t));
-    gp_texture_write(gl, &t, (struct gp_rect) {0, 0, 2, 2}, texels);
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct gp_uniform u[] = {
-            {.name = "t", .texture = &t},
-            {.name = "at", .floats = 2, .f = {rows[i].x, rows[i].y}}, {0}};
-        assert_ok(draw_once(u, true));
-        gp_target_read(gl, &target, 0, (struct gp_rect) {0, 0, 1, 1}, px);
-        assert_float_equal(px[0], rows[i].want, 0.02); // GPUs have 8 bits
-    }
-    gp_texture_free(gl, &t);
-    close_stage();
-}
-
-/* Squares of points, also of those whose centre is outside the target. */
-static void points_are_squares(void **state)
-{
-    static const char vert[] =
-        "uniform vec4 at;\n" // centre in pixels, size of the view
-        "uniform float side;\n"
-        "void main() { gl_Position = vec4(2.0 * at.xy / at.zw - 1.0, 0.0,\n"
-        "                                 1.0);\n"
-        "    gl_PointSize = side; }\n";
-    static const char frag[] = "out vec4 c; void main() { c = vec4(1.0); }\n";
-    static const struct {
-        float x, y, side;
-        int view; // pixels that the view has around the target
-        int want; // pixels
-    } rows[] = {
-        {4.5f, 4.5f, 1, 0, 1}, {4.5f, 4.5f, 3, 0, 9}, {4, 4, 4, 0, 16},
-        {0.5f, 0.5f, 5, 0, 9}, {-0.5f, 4.5f, 5, 0, 0},
-        {-0.5f, 4.5f, 5, 3, 10}, {-0.5f, -0.5f, 5, 3, 4}, {4, 4, 40, 8, 64},
-    };
-    float px[4 * 64];
-    const struct gp_rect all = {0, 0, 8, 8};
-    open_stage("", vert, frag, 1, 8, 8);
-    assert_true(gp_gl_info(gl)->max_point >= 40.0f);
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        int more = rows[i].view, found = 0;
-        float size = (float) (8 + 2 * more);
-        const struct gp_uniform u[] = {
-            {.name = "at", .floats = 4, .f = {rows[i].x + (float) more,
-                                              rows[i].y + (float) more, size,
-                                              size}},
-            {.name = "side", .floats = 1, .f = {rows[i].side}}, {0}};
-        const struct gp_draw draw = {
-            .program = &program, .target = &target, .cut = all,
-            .view = {-more, -more, 8 + more, 8 + more}, .uniform = u,
-            .vertices = 1, .instances = 1, .points = true};
-        gp_target_clear(gl, &target, all);
-        assert_ok(gp_draw_run(&kept_log, gl, &draw));
-        gp_target_read(gl, &target, 0, all, px);
-        for (int k = 0; k < 64; k++)
-            found += px[4 * k] == 1.0f;
-        if (found != rows[i].want)
-            fail_msg("row %zu: %d pixels, not %d", i, found, rows[i].want);
-    }
     close_stage();
 }
 
@@ -584,4 +500,4 @@ SUITE_OF(gl, NULL, NULL,
     contexts_live_side_by_side, errors_are_named_and_cleared,
     blocks_and_lists_have_limits, compiler_speaks_of_the_file,
     shader_files_open_with_a_comment, attachments_are_apart, uniforms_arrive,
-    linear_textures_mix, points_are_squares, lists_wait_for_draws)
+    lists_wait_for_draws)

@@ -2,7 +2,7 @@
  * closed forms. */
 #include "unit.h"
 #include "core/parallel.h"
-#include "core/core_priv.h"
+#include "core/colour.h"
 #include "glare/model/model_priv.h"
 #include "model_scene.h"
 
