@@ -80,14 +80,14 @@ GP_CLONES static int kinds_of(const float *v, size_t n, struct gp_depth_range f,
         const float x = v[i], size = fabsf(x);
         are |= (x == 0.0f ? ZERO : 0) | (x != x ? NOT_A_NUMBER : 0) |
                (size == INFINITY ? INFINITE : 0) |
-               ((size >= GP_DEPTH_HUGE) & (size < INFINITY) ? HUGE_ONE : 0) |
+               (((size >= GP_DEPTH_HUGE) & (size < INFINITY)) ? HUGE_ONE : 0) |
                (size == GP_DEPTH_HALF ? HALF_MAX : 0) |
-               ((x < 0.0f) & (size < GP_DEPTH_HUGE) & (size != GP_DEPTH_HALF)
+               (((x < 0.0f) & (size < GP_DEPTH_HUGE) & (size != GP_DEPTH_HALF))
                     ? NEGATIVE : 0) |
                (x == 1.0f ? ONE : 0) | (x > 1.0f ? OVER : 0) |
-               ((x > 0.0f) & (x < f.lo) ? TINY : 0) |
-               ((x >= f.lo) & (x <= f.hi) & (x != f.hole) ? FORE : 0) |
-               ((x >= b.lo) & (x <= b.hi) & (x != b.hole) ? BACK : 0);
+               (((x > 0.0f) & (x < f.lo)) ? TINY : 0) |
+               (((x >= f.lo) & (x <= f.hi) & (x != f.hole)) ? FORE : 0) |
+               (((x >= b.lo) & (x <= b.hi) & (x != b.hole)) ? BACK : 0);
     }
     return are;
 }
