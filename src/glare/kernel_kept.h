@@ -50,8 +50,7 @@ struct gp_made_kernel {
                                          // are the request's
     char *text[GP_RECIPES];              // of each recipe; owned
     struct gp_kernel_figures figures;
-    struct gp_field field;               // chromaticities point to the copy
-    float chromaticities[8], luminance[3];
+    struct gp_field field;
     atomic_int holders;
 };
 

@@ -35,12 +35,9 @@ int main(int argc, char **argv)
     const int asked = argc > 1 ? atoi(argv[1]) : 5;
     const int runs = asked < 1 ? 1 : asked > MOST ? MOST : asked;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        const struct gp_field f = {
-            .w = rows[i].w, .h = rows[i].h, .degrees = 1.0 / 36.0,
-            .aspect = 1.0, .fps = 24.0,
-            .chromaticities = gp_rec709_chromaticities,
-            .luminance = gp_rec709_luminance,
-        };
+        const struct gp_image frame =
+            gp_image_blank((struct gp_rect) {0, 0, rows[i].w, rows[i].h});
+        const struct gp_field f = gp_field_of(&frame, rows[i].h / 36.0);
         double ms[MOST];
         struct gp_recipe r;
         if (gp_recipe_parse(&models_log, rows[i].recipe, &r))

@@ -34,11 +34,7 @@ enum { MOST_RUNS = 200 };
 static gp_status make_both(const struct gp_recipe *r, const struct gp_frame *f,
                            struct gp_kernel k[2], double *ms)
 {
-    const struct gp_field field = {
-        .w = gp_frame_w(f), .h = gp_frame_h(f), .aspect = 1.0, .fps = 24.0,
-        .degrees = 30.0 / gp_frame_h(f), .chromaticities = f->chromaticities,
-        .luminance = f->luminance,
-    };
+    const struct gp_field field = gp_field_of(f, 30.0);
     const double from = work_ms();
     gp_status st = gp_model_kernel(&tail_log, r, 1, &field, &k[0]);
     *ms = work_ms() - from;

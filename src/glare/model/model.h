@@ -151,16 +151,15 @@ struct gp_field {
     double degrees;       // a pixel's height in degrees of view, > 0
     double aspect;        // its width over its height
     double rotate;        // degrees, counter-clockwise as seen (y is down)
-    const float *chromaticities; // of the frame, as gp_frame's; borrowed
-    const float *luminance;      // weights of these primaries; borrowed
+    float chromaticities[8]; // of the frame, as struct gp_image's
+    float luminance[3];   // weights of these primaries
     int frame;            // its number, for models that change in time
     double fps;           // frames a second, > 0
 };
 
 #define GP_USUAL_FOV 30.0 // degrees, where nothing says another
 
-/* The field of a frame whose display window is fov degrees high. Borrows from
- * the frame. */
+/* The field of a frame whose display window is fov degrees high. */
 struct gp_field gp_field_of(const struct gp_image *f, double fov);
 
 /* The diameter of the recipe's pupil in a field, mm; 0: the model has none. */
