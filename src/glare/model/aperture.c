@@ -487,7 +487,8 @@ static gp_status open_aperture(const struct gp_log *log,
     const double wide = mask ? fabs(cos(s->turn)) + fabs(sin(s->turn)) : 1.0;
     const struct gp_diffraction d = {
         .name = mask && mask->path ? mask->path : "aperture",
-        .diameter = 2.0 * s->radius * wide, .reach = gp_recipe_value(r, "reach"),
+        .diameter = 2.0 * s->radius * wide, .corners = mask != NULL,
+        .reach = gp_recipe_value(r, "reach"),
         .sampled = 0.25, // a spike is some 100 times as bright as its sides
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),

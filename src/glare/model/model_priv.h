@@ -48,11 +48,10 @@ extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
 extern const struct gp_model gp_model_aperture;                   // aperture.c
 extern const struct gp_model gp_model_temporal;                   // temporal.c
 extern const struct gp_model gp_model_gaussian, gp_model_moffat,
-    gp_model_circle, gp_model_ring;                               // drawn.c
+    gp_model_halation, gp_model_circle, gp_model_ring,
+    gp_model_image;                                               // drawn.c
 extern const struct gp_model gp_model_star, gp_model_cross,
     gp_model_streak;                                              // rays.c
-extern const struct gp_model gp_model_halation;                   // halation.c
-extern const struct gp_model gp_model_image;                      // drawn.c
 
 /* Keys of the luminance that an eye is adapted to. */
 #define GP_MODEL_ADAPTATION(preset)                                           \
@@ -189,6 +188,7 @@ struct gp_blades {
 struct gp_diffraction {
     const char *name; // of the model, for messages
     double diameter;  // mm, of all openings
+    bool corners;     // they reach into those of the square around it
     double reach;     // degrees from the light; before it the mean far out
                       // takes over; where cells resolve less, the blades'
                       // spikes before that
