@@ -41,6 +41,7 @@ LIBRARIES = [
 SHORT, LONG = 80, 700
 SIZES = {  # path below src: reason
     "core/image.c": "planes; what a picture is stands in its header",
+    "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",
     "io/frame.c": "what a frame owns",
     "cli/environment.c": "the environment of the process, which is short",
     "cli/plan_settings.c": "one function, settings as parameters",

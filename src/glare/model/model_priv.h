@@ -45,8 +45,7 @@ struct gp_shape {
 enum { GP_SHAPE_STRIP = 256 };
 
 extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
-extern const struct gp_model gp_model_aperture;                   // aperture.c
-extern const struct gp_model gp_model_temporal;                   // temporal.c
+extern const struct gp_model gp_model_aperture, gp_model_temporal; // aperture.c
 extern const struct gp_model gp_model_gaussian, gp_model_moffat,
     gp_model_halation, gp_model_circle, gp_model_ring,
     gp_model_image;                                               // drawn.c
@@ -209,35 +208,7 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     struct gp_shape *out);
 
-// -- aperture.c: gratings -----------------------------------------------------
-
-/* Writes 0.5 + 0.5 cos(fibres (a - turn)) of cells x in [from, to) of row y to
- * row[x], in a pupil of n x n cells, n even: off by at most 1e-9 times the
- * fibres. Angles a around the middle are counter-clockwise as seen; `fibres` is
- * whole. */
-void gp_grating_row(int n, int y, int from, int to, double turn, double fibres,
-                    float *row);
-
-// -- aperture.c: stains -------------------------------------------------------
-
-/* A cover of a part of a pupil: a capsule around a line from one point to the
- * other, mm, that tapers; points alike: a disc. */
-struct gp_stain {
-    double x[2], y[2], radius[2];
-    double hides; // share of the amplitude
-};
-
-/* Draws them over row y. */
-void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
-                  int y);
-
-/* Hairs from above, as lids' lashes, over a pupil of `radius` mm, each
- * GP_LASH_STAINS stains; n hairs. */
-enum { GP_LASH_STAINS = 8 };
-void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
-                     struct gp_stain *out);
-
-// -- temporal.c: pupils ------------------------------------------------------
+// -- aperture.c: pupils -------------------------------------------------------
 
 /* The pupil's diameter, mm, of eyes adapted to `nits` cd/m2: Moon and Spencer
  * 1944 in the form of Watson and Yellott 2012, eq. 3, with log10; and their own
