@@ -118,8 +118,7 @@ static gp_status open_mixture(const struct gp_log *log,
 }
 
 /* Adds up the shapes for the pixels (x, y) .. (x + n - 1, y), or their far parts:
- * sum[0] only where these are grey. At offsets beyond m->sharp both sums are the
- * same to the last bit. */
+ * sum[0] only where these are grey. Beyond m->sharp both sums have equal bits. */
 static void mix_row(const struct mixture *m, bool far, int x, int y, int n,
                     double sum[3][GP_SHAPE_STRIP])
 {
@@ -215,10 +214,9 @@ static void make_row(void *ctx, int i, int thread)
         memcpy(f->k.c[c] + mirror, f->k.c[c] + at, (size_t) w * sizeof(float));
 }
 
-/* Finds m->tint: a shape with a tint takes more of some channels. The rest of each
- * stays in its pixel, so that no channel has more or less light in sum; light that
- * is left out counts as white. No channel has more to give than all of its pixel:
- * where the tint needs that, it is faded until it does not.
+/* Finds m->tint: what a shape takes less of than of other channels stays in its
+ * pixel; light that is left out counts as white. No channel has more to give than
+ * all of its pixel: where the tint needs that, it is faded until it does not.
  * Errors: GP_ERR_USAGE the tail has that tint. */
 static gp_status find_tint(const struct gp_log *log, struct mixture *m,
     const struct gp_planes *k, size_t n, size_t centre,
