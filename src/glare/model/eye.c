@@ -65,8 +65,8 @@ double gp_spencer_term(int i, double t, double nm)
                                                degree);
 }
 
-/* f0 to f2, and in three channels f3, per steradian. The sum of all is folded
- * into the primaries. Returns the part that is grey, of f0 to f2. */
+/* f0 to f2, and in three channels f3, per steradian, folded into the primaries.
+ * Returns the part that is grey, of f0 to f2. */
 static double spencer_sky(const struct spencer *s, double t, double out[3])
 {
     double grey = 0.0;
@@ -95,11 +95,9 @@ static void spencer_profile(const void *ctx, double t, double out[3])
 }
 
 /* A profile of the angle in the sky, 0 to 90 degrees, as one of the plane,
- * which has no end (model.h): to 45 degrees the same, beyond, the place t is at
- * the angle
+ * which has no end (model.h): beyond 45 degrees the place t is at the angle
  *   45 + s atan((t - 45) / s),  s = (90 - 45) 2 / pi
- * as in a rectilinear picture, and has its light: all of the hemisphere's in
- * the plane, and none is cut off with a rim. */
+ * as in a rectilinear picture: all the hemisphere's light is in the plane. */
 struct sky {
     gp_profile p;
     const void *ctx;
@@ -502,8 +500,7 @@ static double night_least(const void *state, double pixels)
     return s->needles.row ? fmax(share - gaps, 0.0) : share;
 }
 
-/* Fills s->least for eyes of three channels, or of one. Tables are exact to
- * ROUNDING. */
+/* Fills s->least. Tables are exact to ROUNDING. */
 static void find_least(const struct spencer *e, struct night *s)
 {
     static const double ROUNDING = 1e-6;
@@ -569,11 +566,10 @@ static gp_status open_spencer(const struct gp_log *log,
 {
     struct spencer s;
     gp_status st = spencer_of(log, r, f, &s);
-    if (st)
-        return st;
-    st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0
-             ? open_night(log, r, &s, f, out)
-             : sky_shape(log, spencer_profile, &s, 1, 0.0, f, out);
+    if (!st)
+        st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0
+                 ? open_night(log, r, &s, f, out)
+                 : sky_shape(log, spencer_profile, &s, 1, 0.0, f, out);
     if (!st)
         out->smooth = 0.1 / (f->degrees * fmin(f->aspect, 1.0));
     return st;

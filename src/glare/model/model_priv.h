@@ -102,13 +102,12 @@ const struct gp_gauss *gp_tent_rule(int n);
 typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 
 /* The integral of a profile over the plane from `from` to `end` degrees away
- * from the light, by steps that grow with the distance: about 1e-9. */
+ * from the light: about 1e-9. */
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3]);
 
-/* sin(t) / t of t degrees, times a square degree in steradians: what turns
- * light per steradian into light per square degree of the plane that pixels
- * divide. 0 from 90 degrees on. */
+/* sin(t) / t of t degrees, times a square degree in steradians: makes light per
+ * steradian light per square degree of the plane. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
 
 // -- quadrature.c: samples, and deposits ----------------------------------------
