@@ -207,14 +207,14 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
     if (field->primaries)
         memcpy(like.chromaticities, field->primaries, sizeof like.chromaticities);
     gp_luminance_weights(like.chromaticities, like.luminance);
-    const struct gp_field own = {
-        .w = whole ? field->w : cut_w, .h = whole ? field->h : cut_h,
-        .degrees = fov / field->h,
-        .aspect = field->aspect > 0.0 ? field->aspect : 1.0,
-        .rotate = field->rotate, .chromaticities = like.chromaticities,
-        .luminance = like.luminance, .frame = field->frame,
-        .fps = field->fps > 0.0 ? field->fps : 24.0,
-    };
+    struct gp_field own = gp_field_of(&like, 0.0);
+    own.w = whole ? field->w : cut_w;
+    own.h = whole ? field->h : cut_h;
+    own.degrees = fov / field->h;
+    own.aspect = field->aspect > 0.0 ? field->aspect : 1.0;
+    own.rotate = field->rotate;
+    own.frame = field->frame;
+    own.fps = field->fps > 0.0 ? field->fps : own.fps;
     GP_TRY(gp_model_kernel(log, r->recipe, r->recipes, &own, &k));
     GP_TRY(gp_kernel_whole(log, &k, cut_w, cut_h, &cut));
     *label = (struct glarepp_label) {

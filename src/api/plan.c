@@ -209,7 +209,8 @@ enum { MODEL_REACH = 2 * GP_FAR_CORE + 1 };
 static gp_status take_kernel(struct glarepp_plan *plan,
                              const struct glarepp_plan_params *p)
 {
-    static const struct gp_image square = {.data = {0, 0, 1, 1}};
+    const struct gp_image square =
+        gp_image_blank((struct gp_rect) {0, 0, 1, 1});
     struct gp_made_kernel *first;
     gp_status st = GP_OK;
     bool made;
@@ -224,8 +225,6 @@ static gp_status take_kernel(struct glarepp_plan *plan,
     if (plan->request->recipes)
         return GP_OK;
     struct gp_field field = gp_field_of(&square, 0.0);
-    field.chromaticities = gp_rec709_chromaticities;
-    field.luminance = gp_rec709_luminance;
     field.rotate = plan->rotate;
     GP_TRY(gp_kernels_take(&plan->log, plan->kernels, NULL, &field, &made,
                            &first));

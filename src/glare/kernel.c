@@ -118,18 +118,14 @@ static gp_status find_factor(const struct gp_log *log,
     const struct row_sums *all, double *factor)
 {
     *factor = 1.0;
-    if (!(all->peak > 0.0f))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: the kernel is zero everywhere (%dx%d); use an "
-                       "image that has light", raw->name, raw->w, raw->h);
-    if (normalize == GP_NORMALIZE_NONE) {
-        if (all->peak >= FLT_MIN)
-            return GP_OK;
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: the kernel is too faint (its largest value is %g, "
-                       "those under %.2g count as 0); scale it up", raw->name,
+    const bool as_it_is = normalize == GP_NORMALIZE_NONE;
+    if (!(all->peak > 0.0f) || (as_it_is && all->peak < FLT_MIN))
+        return gp_fail(log, GP_ERR_DATA, "%s: the kernel is zero everywhere "
+                       "(its largest value is %g, those under %.2g count as "
+                       "0); use an image that has light", raw->name,
                        (double) all->peak, (double) FLT_MIN);
-    }
+    if (as_it_is)
+        return GP_OK;
     double sum = 0.0;
     for (int c = 0; c < 3; c++)
         sum += (double) raw->luminance[c] * all->sum[c];

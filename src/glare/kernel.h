@@ -94,14 +94,12 @@ struct gp_kernel {
  * it is resampled by areas after it was turned: it is round on the screen, and
  * each channel's sum stays.
  * First of all, an image that names its primaries is converted to those of
- * p->chromaticities: its samples are colours of white light spread out, as those
- * of gp_spectrum_to_spectrum(). A sample of no negative channel that gets one is
- * folded in by gp_gamut_fold().
- * Errors: GP_ERR_DATA no pixels, a NaN or Inf in it (says where), all zero,
- * or faint, or a luminance sum that is not positive when normalising, or
- * primaries that cannot be converted;
- * GP_ERR_USAGE a centre that is not finite or over 2^20 pixels, an angle that
- * is not finite, a rotated or resampled kernel of over 2^28 pixels. */
+ * p->chromaticities by gp_spectrum_to_spectrum(). A sample of no negative channel
+ * that gets one is folded in by gp_gamut_fold().
+ * Errors: GP_ERR_DATA no pixels, a NaN or Inf (says where), all zero or faint, a
+ * luminance sum that is not positive when normalising, primaries that cannot be
+ * converted; GP_ERR_USAGE a centre over 2^20 pixels away, an angle that is not
+ * finite, a rotated or resampled kernel of over 2^28 pixels. */
 GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
     const struct gp_kernel_params *p, const struct gp_image *image,
     struct gp_kernel *out);

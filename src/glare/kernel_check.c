@@ -16,9 +16,8 @@ static const double half_code = 0.5 / 255.0 / 12.92;
 /* Rows that are measured together, and columns at a time. */
 enum { BANDS = 64, STRIP = 254 };
 
-/* Samples that the widest edge spans along rows and columns, and along
- * diagonals; lines to either side that it is on; rows and columns around it
- * that say whether it is an edge. */
+/* Samples that the widest edge spans along rows and columns, and diagonals;
+ * lines to either side that it is on; rows and columns around it that are read. */
 enum { SPAN = 4, SPAN_DIAGONAL = 3, SIDES = 4, REACH = 14 };
 static_assert(REACH >= 3 * SPAN && REACH > 3 * SPAN_DIAGONAL + SIDES,
               "what is read around an edge is there");
@@ -69,8 +68,7 @@ static float sample(rows r, int i, const int way[2], int n)
 }
 
 /* The step from sample i to a dark neighbour, less 1.5 times what the sample
- * before it differs: a slope that reaches 0 is no edge, as it is a little
- * steeper from sample to sample around a circle. */
+ * before it differs: a slope that reaches 0 is no edge. */
 static double find_cut(rows r, int i, const int way[2])
 {
     const float at = sample(r, i, way, 0), next = sample(r, i, way, 1);
@@ -115,8 +113,7 @@ static double find_drop(rows r, int i, const int way[2], double least)
 }
 
 /* Marks samples i, i + 1, ... of which find_cut() or find_drop() in this
- * direction may be over `least`: rounding is allowed for. Most are not, and
- * this is vector code. */
+ * direction may be over `least`, by vector code: most are not. */
 GP_CLONES static void mark_steps(rows r, int i, int n, const int way[2],
                                  float least, int *restrict may)
 {
@@ -232,8 +229,8 @@ static void measure_band(void *ctx, int i, int thread)
         b->f.rim = find_rim(m, from, to);
 }
 
-/* Asymmetry about the pixel of the centroid; that about the centre's where they
- * are one, or the centroid is not in the kernel. `all`: magnitudes. */
+/* Asymmetry about the pixel of the centroid, if that is in the kernel. `all`:
+ * magnitudes. */
 static double find_moved(struct measuring *m, double all,
                          const struct gp_kernel_place *f)
 {
@@ -332,8 +329,7 @@ static bool has_light(const struct gp_kernel_figures *f, int c)
     return f->sum[c] > 1e-3 * fmax(f->sum[0], fmax(f->sum[1], f->sum[2]));
 }
 
-/* The half-pixel trap: made about the middle of an even number of pixels, and
- * so half a pixel beside the centre's. */
+/* Made about the middle of an even number of pixels. */
 static bool is_half_beside(const struct gp_kernel_place *p)
 {
     const double x = fabs(fabs(p->centroid[0]) - 0.5);
@@ -355,8 +351,7 @@ static bool is_moved(const struct gp_kernel_place *p)
            p->mirrored >= 0.5 * p->peak; // else its peak says so
 }
 
-/* The first channel with light that breaks a rule which another channel or the
- * luminance keeps. -1: none, or the whole kernel is moved. */
+/* The first channel with light that breaks a rule which others keep; -1: none. */
 static int find_beside(const struct gp_kernel_figures *f,
                        bool breaks(const struct gp_kernel_place *))
 {

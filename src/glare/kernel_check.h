@@ -27,14 +27,8 @@ struct gp_kernel_figures {
     double own;          // share of it that stays in its pixel
     double left_out;     // of a model, as in struct gp_kernel
     // by gp_kernel_measure() only
-    double rim;          // the largest edge: along rows and columns a step to
-                         // under a thousandth of a sample, less 1.5 times the
-                         // step before it; along them and diagonals a drop
-                         // over 4 samples (3 of a diagonal) that lasts for
-                         // twice as many before and after, on 9 lines side by
-                         // side, less twice the change over as many before or
-                         // after, the larger. 0 for kernels of models, not
-                         // measured
+    double rim;          // the largest edge: find_cut() and find_drop() of
+                         // kernel_check.c; 0 for kernels of models
     struct gp_kernel_place place;
     struct gp_kernel_place channel[3]; // where `coloured`
     bool coloured;       // its channels are not equal

@@ -88,7 +88,7 @@ static bool is_same(const struct gp_kernel_request *r,
     const bool later = a->frame != b->frame || a->fps != b->fps;
     bool same = a->aspect == b->aspect &&
                 (!coloured || memcmp(a->chromaticities, b->chromaticities,
-                                     8 * sizeof *a->chromaticities) == 0);
+                                     sizeof a->chromaticities) == 0);
     for (int i = 0; i < r->recipes; i++)
         same = same && !(later && recipe[i].model->moves) &&
                memcmp(k->recipe[i].value, recipe[i].value,
@@ -134,10 +134,6 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_kernels *k,
                                      ? field->luminance : r->image[0].luminance,
                           &m->figures);
     m->field = *field;
-    memcpy(m->chromaticities, field->chromaticities, sizeof m->chromaticities);
-    memcpy(m->luminance, field->luminance, sizeof m->luminance);
-    m->field.chromaticities = m->chromaticities;
-    m->field.luminance = m->luminance;
     gp_made_kernel_free(&k->last);
     k->last = m;
     return GP_OK;

@@ -50,8 +50,7 @@ struct gp_made_kernel {
                                          // are the request's
     char *text[GP_RECIPES];              // of each recipe; owned
     struct gp_kernel_figures figures;
-    struct gp_field field;               // chromaticities point to the copy
-    float chromaticities[8], luminance[3];
+    struct gp_field field;
     atomic_int holders;
 };
 
@@ -74,10 +73,8 @@ GP_MUST_CHECK gp_status gp_kernels_take(const struct gp_log *log,
     const struct gp_field *field, bool *made, struct gp_made_kernel **out);
 
 /* Finds how a frame of w x h pixels uses a kernel of a label, where a pixel of
- * the file is `scale` of the frame's: use->missed, the light that the file
- * leaves out less what falls outside of the frame that it was made for (if these
- * are no larger); use->ends, true for an image that does not say how it was made
- * and is smaller than the frames' offsets; use->as_it_is. */
+ * the file is `scale` of the frame's: its members missed (less what falls outside
+ * of the frame that it was made for, if these are no larger), ends, as_it_is. */
 void gp_kernel_label_use(const struct gp_kernel_label *l, double scale,
                          const struct gp_kernel *k, int w, int h,
                          struct gp_kernel_use *use);

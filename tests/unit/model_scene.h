@@ -7,16 +7,18 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Frames in Rec.709 with pixels so many degrees high. */
 static inline struct gp_field scene_field(int w, int h, double degrees,
                                           double aspect)
 {
-    return (struct gp_field) {
+    struct gp_field f = {
         .w = w, .h = h, .degrees = degrees, .aspect = aspect, .fps = 24.0,
-        .chromaticities = gp_rec709_chromaticities,
-        .luminance = gp_rec709_luminance,
     };
+    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
+    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    return f;
 }
 
 /* A recipe that is right. */

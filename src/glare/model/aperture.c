@@ -1,14 +1,21 @@
-/* Openings that diffract, what stains them, and the model `aperture`, a lens'
- * iris. */
+/* Openings that diffract, and what stains them: the model `aperture`, a lens'
+ * iris, and `temporal`, an eye's pupil that shimmers. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/model/model_priv.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 // -- stains: dust, scratches, lashes ------------------------------------------
+
+/* A cover of a part of a pupil: a capsule around a line from one point to the
+ * other, mm, that tapers; points alike: a disc. */
+struct stain {
+    double x[2], y[2], radius[2];
+    double hides; // share of the amplitude
+};
+enum { LASH_STAINS = 8 };
 
 static inline double clamped(double v)
 {
@@ -22,14 +29,15 @@ static double cell_share(double radius, double away)
     return clamped(0.5 + radius - away) - clamped(0.5 - radius - away);
 }
 
-void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
-                  int y)
+/* Draws them over row y. */
+static void stain_row(const struct stain *s, int n, const struct gp_pupil *p,
+                      int y)
 {
     const double middle = 0.5 * p->n, cell = p->cell;
     const double v = (y + 0.5 - middle) * cell;
     float *const row = p->t + (size_t) y * (size_t) p->n;
     for (int k = 0; k < n; k++) {
-        const struct gp_stain *const one = &s[k];
+        const struct stain *const one = &s[k];
         const int wide = one->radius[1] > one->radius[0];
         const int lower = one->y[1] > one->y[0];
         const double side = one->radius[wide] + cell;
@@ -44,8 +52,8 @@ void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
         for (int x = from; x < to; x++) {
             const double a = (x + 0.5 - middle) * cell - one->x[0];
             const double b = v - one->y[0];
-            double at = square > 0.0 ? (a * dx + b * dy) / square : 0.0;
-            at = clamped(at);
+            const double at =
+                clamped(square > 0.0 ? (a * dx + b * dy) / square : 0.0);
             const double u = a - at * dx, w = b - at * dy;
             const double away = sqrt(u * u + w * w);
             const double radius = one->radius[0] +
@@ -56,8 +64,10 @@ void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
     }
 }
 
-void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
-                     struct gp_stain *out)
+/* Hairs from above, as lids' lashes, over a pupil of `radius` mm, each
+ * LASH_STAINS stains; n hairs. */
+static void stain_lashes(int n, double radius, double turn, uint64_t seed,
+                         struct stain *out)
 {
     const double cosine = cos(turn), sine = sin(turn);
     for (int k = 0; k < n; k++) {
@@ -70,18 +80,18 @@ void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
         const double curl = 0.9 * (gp_model_random(seed, key + 3) - 0.5);
         const double thick = 0.012 + 0.012 * gp_model_random(seed, key + 4);
         double x = 1.05 * from, y = -1.1 + 0.25 * from * from;
-        for (int i = 0; i < GP_LASH_STAINS; i++) {
-            struct gp_stain *const s = &out[k * GP_LASH_STAINS + i];
-            const double at = (double) i / GP_LASH_STAINS;
+        for (int i = 0; i < LASH_STAINS; i++) {
+            struct stain *const s = &out[k * LASH_STAINS + i];
+            const double at = (double) i / LASH_STAINS;
             const double angle = lean + curl * at;
-            const double end[2] = {x + length / GP_LASH_STAINS * sin(angle),
-                                   y + length / GP_LASH_STAINS * cos(angle)};
+            const double end[2] = {x + length / LASH_STAINS * sin(angle),
+                                   y + length / LASH_STAINS * cos(angle)};
             const double px[2] = {x, end[0]}, py[2] = {y, end[1]};
             for (int e = 0; e < 2; e++) {
                 s->x[e] = radius * (cosine * px[e] + sine * py[e]);
                 s->y[e] = radius * (cosine * py[e] - sine * px[e]);
                 s->radius[e] = radius * thick *
-                               (1.0 - (at + (double) e / GP_LASH_STAINS));
+                               (1.0 - (at + (double) e / LASH_STAINS));
             }
             s->hides = 1.0;
             x = end[0];
@@ -113,13 +123,16 @@ static inline double turns_of(double x, double y)
     return y < 0.0 ? -half : half;
 }
 
-GP_CLONES void gp_grating_row(int n, int y, int from, int to, double turn,
-                              double fibres, float *row)
+/* Writes 0.5 + 0.5 cos(fibres (a - turn)) of the cells of row y in a pupil of
+ * n x n, n even: off by at most 1e-9 times the fibres, which are whole. Angles a
+ * are counter-clockwise as seen. */
+GP_CLONES static void grating_row(int n, int y, double turn, double fibres,
+                                  float *row)
 {
     static const double ROUND = 0x1.8p52; // added, leaves whole numbers
     const double middle = 0.5 * n - 0.5, v = middle - y;
     const double start = turn / (2.0 * M_PI);
-    for (int x = from; x < to; x++) {
+    for (int x = 0; x < n; x++) {
         const double turns = fibres * (turns_of(x - middle, v) - start);
         const double z = M_PI * (turns - ((turns + ROUND) - ROUND));
         const double q = z * z;
@@ -209,7 +222,7 @@ struct iris {
     double path[ZERNIKE_LAST + 1]; // nm rms, by Noll's number
     const struct gp_image *mask;
     int stains;
-    struct gp_stain stain[DUST + SCRATCHES + LASHES * GP_LASH_STAINS];
+    struct stain stain[DUST + SCRATCHES + LASHES * LASH_STAINS];
 };
 
 /* The share of a square of side 1 beyond a straight edge: `inside` is how far
@@ -298,7 +311,7 @@ static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
     const double cosine = cos(s->turn), sine = sin(s->turn);
     const size_t row = (size_t) y * (size_t) p->n;
     if (s->grating > 0.0)
-        gp_grating_row(p->n, y, 0, p->n, s->turn, s->fibres, p->t + row);
+        grating_row(p->n, y, s->turn, s->fibres, p->t + row);
     for (int x = 0; x < p->n; x++) {
         const double px = (x + 0.5 - middle) * cell;
         const double py = (y + 0.5 - middle) * cell;
@@ -322,31 +335,28 @@ static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
             path += s->path[j] != 0.0 ? s->path[j] * zernike(j, u, -v) : 0.0;
         p->path[row + (size_t) x] = (float) path;
     }
-    gp_stain_row(s->stain, s->stains, p, y);
+    stain_row(s->stain, s->stains, p, y);
 }
 
 static void add_dust(struct iris *s, int n, uint64_t seed)
 {
     for (int k = 0; k < n; k++) {
-        struct gp_stain *const one = &s->stain[s->stains++];
         const uint64_t key = 4 * (uint64_t) k;
         const double r = s->radius * sqrt(gp_model_random(seed, key));
         const double a = 2.0 * M_PI * gp_model_random(seed, key + 1) + s->turn;
         // most grains are small
         const double size = 0.004 * pow(8.0, gp_model_random(seed, key + 2));
-        for (int e = 0; e < 2; e++) {
-            one->x[e] = r * cos(a);
-            one->y[e] = -r * sin(a);
-            one->radius[e] = s->radius * size;
-        }
-        one->hides = 0.5 + 0.5 * gp_model_random(seed, key + 3);
+        const double x = r * cos(a), y = -r * sin(a), wide = s->radius * size;
+        s->stain[s->stains++] = (struct stain) {
+            {x, x}, {y, y}, {wide, wide},
+            0.5 + 0.5 * gp_model_random(seed, key + 3)};
     }
 }
 
 static void add_scratches(struct iris *s, int n, uint64_t seed)
 {
     for (int k = 0; k < n; k++) {
-        struct gp_stain *const one = &s->stain[s->stains++];
+        struct stain *const one = &s->stain[s->stains++];
         const uint64_t key = 6 * (uint64_t) k;
         const double r = sqrt(gp_model_random(seed, key));
         const double a = 2.0 * M_PI * gp_model_random(seed, key + 1) + s->turn;
@@ -475,9 +485,9 @@ static gp_status open_aperture(const struct gp_log *log,
     add_scratches(s, (int) (SCRATCHES * gp_recipe_value(r, "scratches")),
                   seed + 1);
     const int lashes = (int) (LASHES * gp_recipe_value(r, "lashes"));
-    gp_stain_lashes(lashes, s->radius, s->turn, seed + 2,
+    stain_lashes(lashes, s->radius, s->turn, seed + 2,
                     s->stain + s->stains);
-    s->stains += lashes * GP_LASH_STAINS;
+    s->stains += lashes * LASH_STAINS;
     double steep = 0.0;
     for (int j = ZERNIKE_FIRST; j <= ZERNIKE_LAST; j++) {
         s->path[j] = 550.0 * gp_recipe_value(r, aberrations[j]);
@@ -487,7 +497,8 @@ static gp_status open_aperture(const struct gp_log *log,
     const double wide = mask ? fabs(cos(s->turn)) + fabs(sin(s->turn)) : 1.0;
     const struct gp_diffraction d = {
         .name = mask && mask->path ? mask->path : "aperture",
-        .diameter = 2.0 * s->radius * wide, .reach = gp_recipe_value(r, "reach"),
+        .diameter = 2.0 * s->radius * wide, .corners = mask != NULL,
+        .reach = gp_recipe_value(r, "reach"),
         .sampled = 0.25, // a spike is some 100 times as bright as its sides
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),
@@ -508,4 +519,208 @@ const struct gp_model gp_model_aperture = {
     .name = "aperture", .text = "spikes and speckle of a lens' iris",
     .source = "Fraunhofer diffraction: Goodman, Fourier Optics, eq. 4-25",
     .pupil = aperture_pupil, .keys = aperture_keys, .open = open_aperture,
+};
+
+// -- an eye -------------------------------------------------------------------
+
+/* After Ritschel et al.: Temporal Glare: Real-Time Dynamic Simulation of the
+ * Scattering in the Human Eye, Eurographics 2009. */
+#define PUPIL_MOST 9.0 // mm
+
+double gp_pupil_moon_spencer(double nits)
+{
+    return 4.9 - 3.0 * tanh(0.4 * log10(nits) - 0.00114);
+}
+
+double gp_pupil_watson(double nits, double area, double age)
+{
+    const double flux = pow(nits * area / 846.0, 0.41);
+    const double young = 7.75 - 5.75 * flux / (flux + 2.0);
+    return young + (age - 28.58) * (0.02132 - 0.009562 * young);
+}
+
+/* Three octaves of even steps between numbers of a seed, in (-1, 1). */
+static double noise(double t, uint64_t seed)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const double at = fabs(t) * (1 << i), whole = floor(at);
+        const double x = at - whole, s = x * x * (3.0 - 2.0 * x);
+        const uint64_t key = 3 * (uint64_t) whole + (uint64_t) i;
+        const double a = gp_model_random(seed, key);
+        const double b = gp_model_random(seed, key + 3);
+        sum += (2.0 * (a + s * (b - a)) - 1.0) / (1 << i);
+    }
+    return sum / 1.75;
+}
+
+double gp_pupil_hippus(double p, double t, double strength, uint64_t seed)
+{
+    const double by = PUPIL_MOST / p * sqrt(fmax(1.0 - p / PUPIL_MOST, 0.0));
+    return fmin(fmax(p + strength * noise(t / p, seed) * by, 1.0), PUPIL_MOST);
+}
+
+/* All in mm, where it is in the eye: a narrow pupil shows less of it. */
+enum { PARTICLES = 1500, EYE_LASHES = 24, WAVES = 4 };
+static const double EDGE = 0.97; // mean of the iris, of its radius
+struct eye {
+    double radius, shut;     // within `shut` of the radius all is open
+    double edge[WAVES][2];   // of the iris: cosines and sines of 2, 3, ...
+    double grating, fibres;
+    double turn, right[2];   // radians; its cosine and sine
+    int stains;
+    struct stain stain[PARTICLES + EYE_LASHES * LASH_STAINS];
+};
+
+/* The open share of a cell at the edge of the iris, (u, v) and r = |(u, v)| mm
+ * from the middle. */
+static double edge_share(const struct eye *e, double u, double v, double r,
+                         double cell)
+{
+    const double cosine = (u * e->right[0] - v * e->right[1]) / r;
+    const double sine = (-v * e->right[0] - u * e->right[1]) / r;
+    double c = cosine, s = sine, edge = EDGE; // of 1, 2, 3, ... times the angle
+    for (int i = 0; i < WAVES; i++) {
+        const double next = c * cosine - s * sine;
+        s = s * cosine + c * sine;
+        c = next;
+        edge += e->edge[i][0] * c + e->edge[i][1] * s;
+    }
+    return fmin(fmax((edge * e->radius - r) / cell + 0.5, 0.0), 1.0);
+}
+
+static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)
+{
+    static const double FIBRES = 1.5; // mm: the lens' cortex shows where the
+                                      // pupil is over 3 mm wide: Simpson 1953
+    const struct eye *const e = ctx;
+    const double middle = 0.5 * p->n, end = e->radius + p->cell;
+    const double v = (y + 0.5 - middle) * p->cell;
+    float *const row = p->t + (size_t) y * (size_t) p->n;
+    const double shut = e->shut * e->radius - p->cell;
+    const bool fibres = e->grating > 0.0 && end > FIBRES;
+    if (fibres)
+        grating_row(p->n, y, e->turn, e->fibres, row);
+    for (int x = 0; x < p->n; x++) {
+        const double u = (x + 0.5 - middle) * p->cell;
+        const double r = sqrt(u * u + v * v);
+        double t = r > end ? 0.0 : 1.0;
+        if (r > shut && r <= end)
+            t = edge_share(e, u, v, r, p->cell);
+        if (fibres && r > FIBRES)
+            t *= 1.0 - e->grating * gp_mind(r - FIBRES, 1.0) * (double) row[x];
+        row[x] = (float) t;
+    }
+    stain_row(e->stain, e->stains, p, y);
+}
+
+/* Particles in the lens, before it and behind it, which drift as the eye
+ * moves. */
+static void add_particles(struct eye *e, int n, double t, uint64_t seed)
+{
+    for (int k = 0; k < n; k++) {
+        const uint64_t key = 4 * (uint64_t) k;
+        const bool floats = k % 4 == 0;
+        const double r = 0.5 * PUPIL_MOST * sqrt(gp_model_random(seed, key));
+        const double a = 2.0 * M_PI * gp_model_random(seed, key + 1) + e->turn +
+                         (floats ? 0.3 * noise(0.4 * t, seed + 1) : 0.0);
+        const double size = 0.012 * pow(4.0, gp_model_random(seed, key + 2));
+        const double shift = 0.05 * noise(t, seed + 2 + (floats ? 1 : 0));
+        const double x = r * cos(a) + shift, y = -r * sin(a) + 0.5 * shift;
+        e->stain[e->stains++] = (struct stain) {
+            {x, x}, {y, y}, {size, size},
+            0.3 + 0.7 * gp_model_random(seed, key + 3)};
+    }
+}
+
+enum { MOON_SPENCER, WATSON };
+static const char *const formulas[] = {"moon-spencer", "watson", NULL};
+
+static const struct gp_model_key temporal_keys[] = {
+    GP_MODEL_SHARE(1.0),
+    GP_MODEL_ADAPTATION(1),
+    {"pupil", "mean diameter of the pupil, mm; 0 takes that of adaptation", 0,
+     0, PUPIL_MOST, NULL},
+    {"formula", "pupil of an adaptation, by Moon and Spencer or by Watson and "
+     "Yellott", MOON_SPENCER, MOON_SPENCER, WATSON, formulas},
+    {"age", "years, used by watson", 30, 18, 90, NULL},
+    {"hippus", "strength with which the pupil shimmers in time", 0.15, 0, 1,
+     NULL},
+    {"particles", "particles in the eye, 0 none to 1 many", 0.5, 0, 1, NULL},
+    {"grating", "strength of the lens' fibres: the lenticular halo", 0.1, 0, 1,
+     NULL},
+    {"fibres", "number of these fibres", 1100, 2, 3000, NULL},
+    {"lashes", "lashes before the eye, 0 none to 1 many", 0.2, 0, 1, NULL},
+    {"seed", "number that chooses the eye", 1, 0, 1e9, NULL},
+    {"wavelengths", "number of wavelengths of daylight, 380 to 780 nm", 32, 1,
+     256, NULL},
+    {"reach", "distance beyond which only the light's smooth mean goes on, "
+     "degrees; needles fade from 0.4 of it on", 6, 0.01, 90, NULL},
+    {0},
+};
+
+static bool temporal_adapts(const struct gp_recipe *r)
+{
+    return !(gp_recipe_value(r, "pupil") > 0.0);
+}
+
+static double temporal_pupil(const struct gp_recipe *r,
+                             const struct gp_field *f)
+{
+    const double nits = gp_recipe_value(r, "adaptation");
+    const double area = f->degrees * f->degrees * f->aspect * f->w * f->h;
+    double p = gp_recipe_value(r, "pupil");
+    if (!(p > 0.0))
+        p = gp_recipe_value(r, "formula") == WATSON
+                ? gp_pupil_watson(nits, area, gp_recipe_value(r, "age"))
+                : gp_pupil_moon_spencer(nits);
+    return gp_pupil_hippus(fmax(p, 1.0), f->frame / f->fps,
+                           gp_recipe_value(r, "hippus"),
+                           (uint64_t) gp_recipe_value(r, "seed"));
+}
+
+static gp_status open_temporal(const struct gp_log *log,
+    const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
+{
+    struct eye *e;
+    const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
+    const double t = f->frame / f->fps;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *e, &e);
+    if (st)
+        return st;
+    e->radius = 0.5 * temporal_pupil(r, f);
+    e->turn = f->rotate * M_PI / 180.0;
+    e->right[0] = cos(e->turn);
+    e->right[1] = sin(e->turn);
+    for (int i = 0; i < 2 * WAVES; i++)
+        e->edge[i / 2][i % 2] =
+            0.012 * (gp_model_random(seed + 7, (uint64_t) i) - 0.5);
+    e->shut = EDGE;
+    for (int i = 0; i < WAVES; i++)
+        e->shut -= hypot(e->edge[i][0], e->edge[i][1]);
+    e->grating = gp_recipe_value(r, "grating");
+    e->fibres = floor(gp_recipe_value(r, "fibres"));
+    add_particles(e, (int) (PARTICLES * gp_recipe_value(r, "particles")), t,
+                  seed + 8);
+    const int lashes = (int) (EYE_LASHES * gp_recipe_value(r, "lashes"));
+    stain_lashes(lashes, e->radius, e->turn, seed + 16,
+                    e->stain + e->stains);
+    e->stains += lashes * LASH_STAINS;
+    const struct gp_diffraction d = {
+        .name = "temporal", .diameter = 2.0 * e->radius,
+        .reach = gp_recipe_value(r, "reach"),
+        .sampled = 0.4, // a needle some 10 times; before it is the halo
+        .bands = (int) gp_recipe_value(r, "wavelengths"), .draw = draw_eye,
+        .ctx = e,
+    };
+    st = gp_diffract(log, &d, f, out);
+    gp_free(e);
+    return st;
+}
+
+const struct gp_model gp_model_temporal = {
+    .name = "temporal", .text = "an eye whose pupil shimmers with each frame",
+    .source = "Ritschel et al. 2009, eqs. 1 and 2", .moves = true,
+    .pupil = temporal_pupil, .adapts = temporal_adapts,
+    .keys = temporal_keys, .open = open_temporal,
 };

@@ -151,9 +151,8 @@ static void finish_rows(void *ctx, int group, int thread)
     }
 }
 
-/* Folds a row of samples in; of one channel, rounding is all that is under 0.
- * No sample within the reach is 0: a light's reach without holes is found
- * faster (gp_fft_reach_clear()). */
+/* Folds a row of samples in. None within the reach is 0: a light's reach without
+ * holes is found faster (gp_fft_reach_clear()). */
 static void fold_row(void *ctx, int y, int thread)
 {
     static const double LEAST = 1e-20; // of all light
@@ -206,15 +205,14 @@ static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
  *   light_c / (t^2 + a^2)^1.5,   a = reach / 20
  *
  * with the light of the samples from half of the reach to three quarters of it,
- * in the median of directions: that between spikes, even around the circle.
- * Before the reach it takes over from what is narrow, which only fades, as
- * left_at() says: a spike that got wider in place of fainter would end in a tuft.
- * The light that spikes then lack, some 0.1 % of all, stays in the centre.
+ * in the median of directions: that between spikes. Before the reach it takes
+ * over from what is narrow, which only fades, as left_at() says: a spike that got
+ * wider would end in a tuft. The light that spikes then lack, some 0.1 % of all,
+ * stays in the centre.
  *
  * Of a pupil with blades, the part of that light which is theirs goes on in
  * spikes as far as the recipe's reach. The transform of a polygon is a sum over
- * its edges: with an edge's length L, its middle at m, and q = t / l in
- * direction delta from its normal,
+ * its edges: with length L, middle m, and q = t / l at delta from the normal,
  *
  *   F(q) = sum over edges of cos(delta) L sinc(L q sin(delta)) / (2 pi q)
  *                            exp(-2 pi i q m) (times a phase)
@@ -257,8 +255,7 @@ struct joined {
 
 /* The share of what is narrow that is left t degrees from the light. After
  * `from` degrees it falls by the power STEEP beside its own, bent in over SOFT of
- * a logarithm of t, and to 0 over the LAST of the reach. Light that falls by no
- * more than the 12th power of the distance has no rim. */
+ * a logarithm of t, and to 0 over the LAST of the reach: it has no rim. */
 static double left_at(double t, double from, double reach)
 {
     static const double STEEP = 5.5, SOFT = 0.3, LAST = 0.4;
@@ -468,8 +465,7 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The strength of spikes in a channel: the light of directions within 2 degrees
- * of theirs, over that between. */
+/* The light of directions within 2 degrees of spikes, over that between. */
 static double fit_spikes(const struct directions *d, int c, double between)
 {
     double sum = 0.0, spikes = 0.0;
@@ -531,9 +527,8 @@ static struct spikes spikes_of(const struct gp_diffraction *d, double reach)
 }
 
 /* Joins to a shape whose samples, of offsets up to r[0] and r[1], end at `reach`
- * degrees, the spikes of d's blades up to d->reach, and the mean far out, which
- * take over before. Where the field cuts no samples off, the light of the centre
- * is changed for all of it to be 1. */
+ * degrees, what takes over before: spikes up to d->reach, and the mean. Where the
+ * field cuts no samples off, the centre's light makes all of it 1. */
 static gp_status join(const struct gp_log *log,
     const struct gp_diffraction *d, const int r[2], double reach,
     const struct gp_field *f, struct gp_shape *shape)

@@ -30,20 +30,16 @@
  * what the hemisphere holds.
  *
  * The paper's halo is 0.159 degrees wide (one sigma), as of fibres that are all
- * as wide: a rainbow. Those of a lens are not. Their cross-sections in the
- * cortex are 24 +- 9 square microns (Taylor et al., Morphology of the normal
- * human lens, IOVS 37, 1996), so their widths, as roots of these, are 19 % apart,
- * and so are the rings that they make: w^2 = 0.159^2 + (0.19 r)^2. Rings of
- * colours that lie over each other are pale, red outside. r is that of fibres
- * 10.9 microns wide; Brown et al. (An estimate of the size and shape of the
- * human lens fibre in vivo, BJO 71, 1987) found 10.2 at the lens' side.
+ * as wide: a rainbow. Cross-sections of a lens' fibres are 24 +- 9 square microns
+ * (Taylor et al., IOVS 37, 1996), so their widths, as roots of these, are 19 %
+ * apart, and so are the rings that they make: w^2 = 0.159^2 + (0.19 r)^2. Rings
+ * of colours that lie over each other are pale, red outside.
  *
- * The key `halo` scales its weight; what is not in the halo is not scattered:
- * with 0, f0 of mesopic is that of photopic. The paper has it strong, while the
- * CIE's mean of many eyes (135/1) has none: so by itself it is as far over the
- * corona as one eye is over the mean of its age, whose standard deviation is a
- * factor of 10^0.1 (van den Berg et al., Straylight effects with aging and lens
- * extraction, AJO 144, 2007). That is 1.26 times the corona for HALO of 0.18. */
+ * The key `halo` scales its weight; what is not in the halo is not scattered.
+ * The paper has it strong, while the CIE's mean of many eyes (135/1) has none:
+ * so by itself it is as far over the corona as one eye is over the mean of its
+ * age, whose standard deviation is a factor of 10^0.1 (van den Berg et al., AJO
+ * 144, 2007). That is 1.26 times the corona for HALO of 0.18. */
 enum { BANDS = 20 };
 static const double CORONA = 20.91, CORONA_FAR = 72.37;
 static const double HALO_WIDE = 0.159, FIBRES = 0.19; // sigma; of r
@@ -69,8 +65,8 @@ double gp_spencer_term(int i, double t, double nm)
                                                degree);
 }
 
-/* f0 to f2, and in three channels f3, per steradian. The sum of all is folded
- * into the primaries. Returns the part that is grey, of f0 to f2. */
+/* f0 to f2, and in three channels f3, per steradian, folded into the primaries.
+ * Returns the part that is grey, of f0 to f2. */
 static double spencer_sky(const struct spencer *s, double t, double out[3])
 {
     double grey = 0.0;
@@ -99,11 +95,9 @@ static void spencer_profile(const void *ctx, double t, double out[3])
 }
 
 /* A profile of the angle in the sky, 0 to 90 degrees, as one of the plane,
- * which has no end (model.h): to 45 degrees the same, beyond, the place t is at
- * the angle
+ * which has no end (model.h): beyond 45 degrees the place t is at the angle
  *   45 + s atan((t - 45) / s),  s = (90 - 45) 2 / pi
- * as in a rectilinear picture, and has its light: all of the hemisphere's in
- * the plane, and none is cut off with a rim. */
+ * as in a rectilinear picture: all the hemisphere's light is in the plane. */
 struct sky {
     gp_profile p;
     const void *ctx;
@@ -215,11 +209,10 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
  * be wide. m is at least 1 - NEEDLE_CONTRAST. */
 static const double NEEDLE_END = 5.0; // degrees
 static const double NEEDLE_CONTRAST = 0.8;
-
-enum { CIRCLE = 1 << 14 }; // steps of m
-
-/* Pixels as near as this, in columns and in rows, take points of rings. */
-enum { NEAR = 3 };
+enum {
+    CIRCLE = 1 << 14, // steps of m
+    NEAR = 3, // pixels as near, in columns and in rows, take points of rings
+};
 
 struct needling {
     double f1, f2;     // the corona f1 / (t + 0.02)^3 + f2 / (t + 0.02)^2, per
@@ -294,11 +287,10 @@ static double corona_at(const struct needling *n, double t)
     return plane * near * near * (n->f1 * near + n->f2) * needle_fade(t);
 }
 
-/* Adds the needles of the pixels (x, y), (-x, y), (x, -y) and (-x, -y) to v:
- * counter-clockwise from the upper right, y is down. Across rays, along the
- * pixel's side that they cross, light times the tent is taken as straight in
- * the angle between a few places, so that m enters by its second integral at
- * them, however narrow needles are; along them, by a rule of quadrature. */
+/* Adds the needles of the pixels (x, y), (-x, y), (x, -y) and (-x, -y) to v.
+ * Across rays, along the pixel's side that they cross, light times the tent is
+ * straight in the angle between a few places, at which m enters by its second
+ * integral, however narrow needles are; along them, by a rule of quadrature. */
 static void add_pixel(const struct needling *m, int x, int y, double v[4])
 {
     enum { MOST = 4 };
@@ -508,8 +500,7 @@ static double night_least(const void *state, double pixels)
     return s->needles.row ? fmax(share - gaps, 0.0) : share;
 }
 
-/* Fills s->least for eyes of three channels, or of one. Tables are exact to
- * ROUNDING. */
+/* Fills s->least. Tables are exact to ROUNDING. */
 static void find_least(const struct spencer *e, struct night *s)
 {
     static const double ROUNDING = 1e-6;
@@ -575,11 +566,10 @@ static gp_status open_spencer(const struct gp_log *log,
 {
     struct spencer s;
     gp_status st = spencer_of(log, r, f, &s);
-    if (st)
-        return st;
-    st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0
-             ? open_night(log, r, &s, f, out)
-             : sky_shape(log, spencer_profile, &s, 1, 0.0, f, out);
+    if (!st)
+        st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0
+                 ? open_night(log, r, &s, f, out)
+                 : sky_shape(log, spencer_profile, &s, 1, 0.0, f, out);
     if (!st)
         out->smooth = 0.1 / (f->degrees * fmin(f->aspect, 1.0));
     return st;

@@ -20,35 +20,11 @@ struct tint {
 
 /* The recipes and the field of a kernel, for gp_kernel_whole(). */
 struct gp_kernel_origin {
-    struct gp_recipe recipe[GP_RECIPES];
+    struct gp_recipe recipe[GP_RECIPES]; // files and images are the caller's
     int n;
     struct gp_field field;
-    float chromaticities[8], luminance[3]; // the field's
     struct tint tint;    // as struct mixture's
 };
-
-/* A copy without the files' names: images are read. */
-static gp_status copy_origin(const struct gp_log *log,
-    const struct gp_recipe *r, int n, const struct gp_field *field,
-    struct gp_kernel_origin **out)
-{
-    struct gp_kernel_origin *o;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *o, &o);
-    if (st)
-        return st;
-    o->n = n;
-    o->field = *field;
-    memcpy(o->chromaticities, field->chromaticities, sizeof o->chromaticities);
-    memcpy(o->luminance, field->luminance, sizeof o->luminance);
-    o->field.chromaticities = o->chromaticities;
-    o->field.luminance = o->luminance;
-    for (int i = 0; i < n; i++) {
-        o->recipe[i] = r[i];
-        memset(o->recipe[i].file, 0, sizeof o->recipe[i].file);
-    }
-    *out = o;
-    return GP_OK;
-}
 
 // -- the sum of shapes --------------------------------------------------------
 
@@ -142,8 +118,7 @@ static gp_status open_mixture(const struct gp_log *log,
 }
 
 /* Adds up the shapes for the pixels (x, y) .. (x + n - 1, y), or their far parts:
- * sum[0] only where these are grey. At offsets beyond m->sharp both sums are the
- * same to the last bit. */
+ * sum[0] only where these are grey. Beyond m->sharp both sums have equal bits. */
 static void mix_row(const struct mixture *m, bool far, int x, int y, int n,
                     double sum[3][GP_SHAPE_STRIP])
 {
@@ -239,10 +214,9 @@ static void make_row(void *ctx, int i, int thread)
         memcpy(f->k.c[c] + mirror, f->k.c[c] + at, (size_t) w * sizeof(float));
 }
 
-/* Finds m->tint: a shape with a tint takes more of some channels. The rest of each
- * stays in its pixel, so that no channel has more or less light in sum; light that
- * is left out counts as white. No channel has more to give than all of its pixel:
- * where the tint needs that, it is faded until it does not.
+/* Finds m->tint: what a shape takes less of than of other channels stays in its
+ * pixel; light that is left out counts as white. No channel has more to give than
+ * all of its pixel: where the tint needs that, it is faded until it does not.
  * Errors: GP_ERR_USAGE the tail has that tint. */
 static gp_status find_tint(const struct gp_log *log, struct mixture *m,
     const struct gp_planes *k, size_t n, size_t centre,
@@ -375,14 +349,17 @@ static void join_tail(struct gp_far_field *t, const struct gp_field *field,
 struct gp_field gp_field_of(const struct gp_image *f, double fov)
 {
     const double aspect = (double) f->pixel_aspect;
-    return (struct gp_field) {
+    struct gp_field field = {
         .w = gp_image_w(f), .h = gp_image_h(f),
         .degrees = fov / gp_max(gp_rect_h(f->display), 1),
         // 1 where the file says what cannot be true
         .aspect = aspect >= 1.0 / 16.0 && aspect <= 16.0 ? aspect : 1.0,
         .fps = 24.0,
-        .chromaticities = f->chromaticities, .luminance = f->luminance,
     };
+    memcpy(field.chromaticities, f->chromaticities,
+           sizeof field.chromaticities);
+    memcpy(field.luminance, f->luminance, sizeof field.luminance);
+    return field;
 }
 
 gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
@@ -409,8 +386,11 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
                      field->h, &k));
     join_tail(tail, field, &k);
     tail = NULL;
-    GP_TRY(copy_origin(log, r, n, field, &k.origin));
+    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k.origin, &k.origin));
+    k.origin->n = n;
+    k.origin->field = *field;
     k.origin->tint = m.tint;
+    memcpy(k.origin->recipe, r, (size_t) n * sizeof *r);
     *out = k;
     k = (struct gp_kernel) {0};
 out:
@@ -430,7 +410,7 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
     if (st)
         return st;
     m.tint = o->tint;
-    st = make_core(log, &m, &whole, NULL, o->luminance, w, h, out);
+    st = make_core(log, &m, &whole, NULL, o->field.luminance, w, h, out);
     if (!st)
         join_tail(NULL, &o->field, out);
     close_mixture(&m);

@@ -8,27 +8,22 @@
  *   kernel = delta + sum over recipes i of s_i (shape_i - delta)
  *
  * where delta is the light that stays in its pixel, shape_i the model's light
- * over the field, 1 in luminance over the hemisphere, and s_i its `share`: how
- * much of a pixel's light it takes. Where the shares add up to more than 1,
- * each is divided by their sum. A shape with a tint takes more of one channel
- * than of another: the rest of each stays in its pixel, but for an image's, whose
- * tint is its own. So all light of each channel is kept, but for what falls
- * outside of what is computed: gp_kernel.left_out.
+ * over the field, 1 in luminance over the hemisphere, and s_i its `share`. Where
+ * shares add up to more than 1, each is divided by their sum. What a tint takes
+ * less of than of another channel stays in the pixel, but for an image's, whose
+ * tint is its own: all light of each channel is kept, but for what falls outside
+ * of what is computed, gp_kernel.left_out.
  *
  * Colours are sums over wavelengths in the frame's primaries. Where such a sum
  * has a negative channel it is moved towards grey of its luminance until that is
- * 0: by the pixel in `aperture` and `temporal`, by the angle in `spencer`,
- * `ring`, `star`, `cross` and `streak`, so that colours which the primaries hold
- * are the same in all of them.
+ * 0: by the pixel in `aperture` and `temporal`, by the angle in others.
  *
  * Angles are taken as proportional to pixels over the whole field, as in
  * Spencer et al. 1995 section 3.2: pixel (dx, dy) away from a light lies
  *   t = degrees * hypot(aspect * dx, dy)
  * degrees from it, and takes P(t) times its solid angle, the area in degrees
  * times (pi / 180)^2 sin(t) / t. Beyond 45 degrees places of the frame are
- * crowded together in the sky, so that its edge at 90 degrees, past which there
- * is no light, is never met: the shares of light up to 45 degrees are those of
- * the model, and no lamp has a rim. */
+ * crowded together in the sky, so that its edge at 90 degrees is never met. */
 #ifndef GP_GLARE_MODEL_MODEL_H
 #define GP_GLARE_MODEL_MODEL_H
 
@@ -106,9 +101,8 @@ struct gp_recipe {
 bool gp_recipe_is(const char *text);
 
 /* Reads a recipe. Written only on GP_OK; free with gp_recipe_free().
- * Errors: GP_ERR_USAGE no model or key has that name (names the nearest and
- * lists those there are), a value that is no number, no word of the key, or
- * out of range (says the range); a key twice; no file where one is needed. */
+ * Errors: GP_ERR_USAGE no such model, key or word (names the nearest and all); a
+ * value out of range (says the range); a key twice; no file for its key. */
 GP_MUST_CHECK gp_status gp_recipe_parse(const struct gp_log *log,
                                         const char *text,
                                         struct gp_recipe *out);
@@ -151,16 +145,15 @@ struct gp_field {
     double degrees;       // a pixel's height in degrees of view, > 0
     double aspect;        // its width over its height
     double rotate;        // degrees, counter-clockwise as seen (y is down)
-    const float *chromaticities; // of the frame, as gp_frame's; borrowed
-    const float *luminance;      // weights of these primaries; borrowed
+    float chromaticities[8]; // of the frame, as struct gp_image's
+    float luminance[3];   // weights of these primaries
     int frame;            // its number, for models that change in time
     double fps;           // frames a second, > 0
 };
 
 #define GP_USUAL_FOV 30.0 // degrees, where nothing says another
 
-/* The field of a frame whose display window is fov degrees high. Borrows from
- * the frame. */
+/* The field of a frame whose display window is fov degrees high. */
 struct gp_field gp_field_of(const struct gp_image *f, double fov);
 
 /* The diameter of the recipe's pupil in a field, mm; 0: the model has none. */
@@ -168,9 +161,7 @@ double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f);
 
 /* Makes the kernel of n recipes, 1 to GP_RECIPES, for a field: where every
  * recipe is smooth far out, a core at full rate in out->k and the rest in
- * out->tail, else all in out->k. Not normalised: sum + left_out = 1 in
- * luminance.
- *
+ * out->tail, else all in out->k: sum + left_out = 1 in luminance.
  * Written only on GP_OK; free with gp_kernel_free().
  * Errors: GP_ERR_USAGE an angle that is not finite, a key that this field
  * cannot serve; GP_ERR_DATA a bad mask or image; GP_ERR_BUG out of memory. */

@@ -45,14 +45,12 @@ struct gp_shape {
 enum { GP_SHAPE_STRIP = 256 };
 
 extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
-extern const struct gp_model gp_model_aperture;                   // aperture.c
-extern const struct gp_model gp_model_temporal;                   // temporal.c
+extern const struct gp_model gp_model_aperture, gp_model_temporal; // aperture.c
 extern const struct gp_model gp_model_gaussian, gp_model_moffat,
-    gp_model_circle, gp_model_ring;                               // drawn.c
+    gp_model_halation, gp_model_circle, gp_model_ring,
+    gp_model_image;                                               // drawn.c
 extern const struct gp_model gp_model_star, gp_model_cross,
     gp_model_streak;                                              // rays.c
-extern const struct gp_model gp_model_halation;                   // halation.c
-extern const struct gp_model gp_model_image;                      // drawn.c
 
 /* Keys of the luminance that an eye is adapted to. */
 #define GP_MODEL_ADAPTATION(preset)                                           \
@@ -104,13 +102,12 @@ const struct gp_gauss *gp_tent_rule(int n);
 typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 
 /* The integral of a profile over the plane from `from` to `end` degrees away
- * from the light, by steps that grow with the distance: about 1e-9. */
+ * from the light: about 1e-9. */
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3]);
 
-/* sin(t) / t of t degrees, times a square degree in steradians: what turns
- * light per steradian into light per square degree of the plane that pixels
- * divide. 0 from 90 degrees on. */
+/* sin(t) / t of t degrees, times a square degree in steradians: makes light per
+ * steradian light per square degree of the plane. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
 
 // -- quadrature.c: samples, and deposits ----------------------------------------
@@ -189,6 +186,7 @@ struct gp_blades {
 struct gp_diffraction {
     const char *name; // of the model, for messages
     double diameter;  // mm, of all openings
+    bool corners;     // they reach into those of the square around it
     double reach;     // degrees from the light; before it the mean far out
                       // takes over; where cells resolve less, the blades'
                       // spikes before that
@@ -209,35 +207,7 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     struct gp_shape *out);
 
-// -- aperture.c: gratings -----------------------------------------------------
-
-/* Writes 0.5 + 0.5 cos(fibres (a - turn)) of cells x in [from, to) of row y to
- * row[x], in a pupil of n x n cells, n even: off by at most 1e-9 times the
- * fibres. Angles a around the middle are counter-clockwise as seen; `fibres` is
- * whole. */
-void gp_grating_row(int n, int y, int from, int to, double turn, double fibres,
-                    float *row);
-
-// -- aperture.c: stains -------------------------------------------------------
-
-/* A cover of a part of a pupil: a capsule around a line from one point to the
- * other, mm, that tapers; points alike: a disc. */
-struct gp_stain {
-    double x[2], y[2], radius[2];
-    double hides; // share of the amplitude
-};
-
-/* Draws them over row y. */
-void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
-                  int y);
-
-/* Hairs from above, as lids' lashes, over a pupil of `radius` mm, each
- * GP_LASH_STAINS stains; n hairs. */
-enum { GP_LASH_STAINS = 8 };
-void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
-                     struct gp_stain *out);
-
-// -- temporal.c: pupils ------------------------------------------------------
+// -- aperture.c: pupils -------------------------------------------------------
 
 /* The pupil's diameter, mm, of eyes adapted to `nits` cd/m2: Moon and Spencer
  * 1944 in the form of Watson and Yellott 2012, eq. 3, with log10; and their own

@@ -8,8 +8,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* By the square s of the distance, at 64 even steps an octave, with slopes,
- * between which a cubic keeps about 1e-8 of what powers give. */
+/* By the square s of the distance, at 64 even steps an octave, with slopes: a
+ * cubic between them keeps about 1e-8 of what powers give. */
 enum { STEPS_LOG2 = 6, STEPS = 1 << STEPS_LOG2 };
 
 struct table {

@@ -16,13 +16,11 @@
  *   g(p)      = (1 - p / L)^8 / (1 + (p / core)^2)
  *   s(p)      = width (1 - 0.8 p / L)
  *
- * The eighth power is a window that no brightness shows the end of: a lamp that
- * is 2^23 times as bright as what is seen has rays of 0.8 L, which fade over a
- * third of that. n is the normal density, cut at 5; w the spectrum's weights, which sum to 1
- * in each channel: white light stays white, only redder far out, as diffraction
- * makes it (without `dispersion` g_c is g). Lengths, angles and strengths a of
- * strands come from `seed`, spread about those of their ray, and the sum is 1
- * in each channel, then tinted to a luminance of 1. */
+ * The eighth power is a window that no brightness shows the end of. n is the
+ * normal density, cut at 5; w the spectrum's weights, which sum to 1 in each
+ * channel: white light stays white, only redder far out, as diffraction makes it
+ * (without `dispersion` g_c is g). Lengths, angles and strengths a of strands
+ * come from `seed`, and the sum is tinted to a luminance of 1. */
 enum {
     MOST_STRANDS = 512,
     TABLE = 2048,        // steps of g_c from 0 to the longest strand
@@ -67,10 +65,9 @@ static double ramp(double z)
 }
 
 /* Adds the strand's integral over a pixel whose middle is (p, q) along and
- * across it, where g_c and the width change little on a pixel: the pixel seen
- * along the strand is two boxes folded, whose integral under the normal density
- * has a closed form, times the mean of g_c. The light's own pixel, as wide,
- * makes the density wider by as much. */
+ * across it, where g_c and the width change little on a pixel: seen along the
+ * strand it is two boxes folded, whose integral under the normal density has a
+ * closed form, times the mean of g_c. The light's own pixel widens the density. */
 static void add_far_pixel(const struct rays *r, const struct strand *s,
                           double p, double q, double sum[3])
 {

@@ -77,10 +77,8 @@ static struct shown show(const char *text, size_t length)
 {
     struct shown s;
     size_t n = 0;
-    while (n < length && text[n]) {
+    while (n < length && text[n] && n + 4 <= SHOWN) {
         const size_t bytes = gp_utf8_bytes(text + n);
-        if (n + (bytes ? bytes : 1) > SHOWN)
-            break;
         n += bytes ? bytes : 1;
     }
     n = n < length ? n : length;
@@ -378,12 +376,10 @@ const char *gp_recipe_file(const struct gp_recipe *r)
 
 char *gp_kernel_path(const char *word)
 {
-    struct gp_recipe r;
-    if (!gp_recipe_is(word))
-        return gp_strdup(word);
-    if (gp_recipe_parse(NULL, word, &r))
-        return NULL;
-    const char *const file = gp_recipe_file(&r);
+    struct gp_recipe r = {0};
+    const char *file = word;
+    if (gp_recipe_is(word))
+        file = gp_recipe_parse(NULL, word, &r) ? NULL : gp_recipe_file(&r);
     char *const path = file ? gp_strdup(file) : NULL;
     gp_recipe_free(&r);
     return path;

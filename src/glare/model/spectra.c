@@ -16,6 +16,7 @@
 // -- autocorrelation ----------------------------------------------------------
 
 enum { STRIP = 32 };
+static const double SPREAD = 14.0; // cells, of dividing by their falloff
 
 /* A pupil's autocorrelation at lags (u, v), u in [-n, n], v in [0, n] cells,
  * times `sum`, at lag_at(); at (-u, -v) it is conjugate. Lags are in strips of
@@ -275,25 +276,6 @@ static void pupil_lags(void *ctx, int group, int thread)
     }
     if (group == 0)
         a->sum = (double) crealf(array_out(c, thread, 0)[0]);
-}
-
-/* The largest distance between open cells, from that to the middle. */
-static double edge_of(const struct gp_pupil *p)
-{
-    static const double SPREAD = 16.0; // cells, of dividing by their falloff
-    double most = 0.0;
-    for (int y = 0; y < p->n; y++) {
-        const float *const row = p->t + (size_t) y * (size_t) p->n;
-        int from = 0, end = p->n;
-        while (from < end && !(row[from] > 0.0f))
-            from++;
-        while (end > from && !(row[end - 1] > 0.0f))
-            end--;
-        if (from < end)
-            most = fmax(most, hypot(fmax(0.5 * p->n - from, end - 0.5 * p->n),
-                                    fabs(y + 0.5 - 0.5 * p->n)));
-    }
-    return 2.0 * most + SPREAD;
 }
 
 /* Fills the lags but `n` at one wavelength. */
@@ -574,7 +556,10 @@ gp_status gp_spectra_make(const struct gp_log *log,
     int bands = gp_min(d->bands, GP_BANDS), n = 0;
     struct band band[MOST_BANDS] = {0};
     struct correlator t = {0};
-    struct lags a = {.n = p->n, .edge = edge_of(p)};
+    struct lags a = {
+        .n = p->n,
+        .edge = (d->corners ? sqrt(2.0) : 1.0) * p->n + SPREAD,
+    };
     struct gp_spectra s = {
         .channels = d->nm > 0.0 ? 1 : 3,
         .blocks = (period[0] / 2 + GP_LANES) / GP_LANES,

@@ -4,11 +4,14 @@
 #include "glare/model/model_priv.h"
 #include "model_scene.h"
 
-static const struct gp_field plain = {
-    .w = 512, .h = 512, .degrees = 1.0 / 36.0, .aspect = 1.0, .fps = 24.0,
-    .chromaticities = gp_rec709_chromaticities,
-    .luminance = gp_rec709_luminance,
-};
+static struct gp_field plain;
+
+static int start(void **state)
+{
+    (void) state;
+    plain = scene_field(512, 512, 1.0 / 36.0, 1.0);
+    return 0;
+}
 
 /* The share of a model's light that is farther than t degrees. */
 static double beyond(const char *text, double t)
@@ -227,7 +230,7 @@ static void halo_is_added_to_the_corona(void **state)
     }
 }
 
-SUITE_OF(model_eye, NULL, NULL, light_goes_as_far_as_published,
+SUITE_OF(model_eye, start, NULL, light_goes_as_far_as_published,
          general_equation_is_the_cies, eyes_adapt_to_frames,
          needles_stay_on_their_circles, halo_is_added_to_the_corona)
 
