@@ -238,9 +238,6 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
     *out = NULL;
     if (edges->how == GP_SURROUND_BLACK || !s || !s->n || !own->n)
         return GP_OK;
-    if (own->w != s->w || own->h != s->h)
-        return gp_fail_bare(log, GP_ERR_BUG, "edges: light of %dx%d in a "
-                            "picture of %dx%d", own->w, own->h, s->w, s->h);
     const int side = (gp_max(s->w, s->h) + GP_EDGE_CELLS - 1) / GP_EDGE_CELLS;
     struct border border = {
         .picture = s, .own = own, .side = side, .depth = (side + 7) / 8,
@@ -347,31 +344,29 @@ struct gp_outside {
     int w, h, threads;
     unsigned long serial;              // of the kernel
     const struct gp_far_state *state; // what `tail` is of
-    double *box;   // pitch of the kernel and 2 w for each thread
+    double *box;   // pitch of the kernel for each thread
     float *share;  // 2 w of the picture for each thread: w; the tail inside
 };
 
-/* Fills share[x] with w in row y, but for the tail's. `box` has w pixels beyond
- * both ends of the kernel: the sums up to there are none and all. */
+/* Fills share[x] with w in row y, but for the tail's. */
 GP_CLONES static void find_shares(const struct gp_kernel *k,
     const double *restrict low, const double *restrict high, double rest, int w,
     double *restrict box, float *restrict share)
 {
-    double *const own = box + w;
     for (int i = 0; i <= k->w; i++)
-        own[i] = high[i] - low[i];
-    const double all = own[k->w];
+        box[i] = high[i] - low[i];
+    const double all = box[k->w];
     const float base = (float) rest;
-    for (int i = 0; i < w; i++) {
-        box[i] = 0.0;
-        own[k->w + 1 + i] = all;
-    }
-    // samples right of x + cx have their light left of the picture, those left
-    // of x + cx - w + 1 right of it
-    const double *const left = own + gp_clamp_wide(k->cx + 1LL, -w, k->w);
-    const double *const right = own + gp_clamp_wide(k->cx + 1LL - w, -w, k->w);
     for (int x = 0; x < w; x++)
-        share[x] = base + (float) (all - left[x]) + (float) right[x];
+        share[x] = base;
+    // samples right of x + cx have their light left of the picture
+    const int left = gp_clamp_wide((long long) k->w - k->cx - 1, 0, w);
+    for (int x = 0; x < left; x++)
+        share[x] += (float) (all - box[gp_max(x + k->cx + 1, 0)]);
+    // those left of x + cx - w + 1 right of it
+    const int right = gp_clamp_wide((long long) w - k->cx, 0, w);
+    for (int x = right; x < w; x++)
+        share[x] += (float) box[gp_min(x + k->cx + 1 - w, k->w)];
 }
 
 /* Adds w b; b lies between those of two rows of corners. */
@@ -402,7 +397,7 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
     const double all = box_row(&o->sums, from, k->h)[k->w];
     find_shares(k, low, high,
                 k->left_out + (all - (high[k->w] - low[k->w])), b->w,
-                o->box + (size_t) thread * (o->sums.pitch + 2 * w), share);
+                o->box + (size_t) thread * o->sums.pitch, share);
     if (o->tail) {
         const float tail = (float) k->tail->sum[from];
         gp_far_row(o->tail, from, y, thread, inside);
@@ -446,8 +441,8 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
     *o = (struct gp_outside) {.b = b, .layer = layer, .w = w, .h = h, .threads = gp_threads(),
                               .serial = k->serial, .state = tail};
     GP_TRY(sum_boxes(log, k, &o->sums));
-    GP_TRY(gp_alloc(log, "edges", threads * (o->sums.pitch + 2 * wide),
-                    sizeof *o->box, &o->box));
+    GP_TRY(gp_alloc(log, "edges", threads * o->sums.pitch, sizeof *o->box,
+                    &o->box));
     GP_TRY(gp_alloc(log, "edges", threads * 2 * wide, sizeof *o->share,
                     &o->share));
     if (k->tail)

@@ -64,7 +64,7 @@ struct gp_far_state;
 struct gp_beyond;
 
 /* Finds it. *out stays NULL where the border has no light. Free with
- * gp_beyond_free(). Errors: GP_ERR_BUG out of memory, or parts of other sizes. */
+ * gp_beyond_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_beyond_find(const struct gp_log *log,
     const struct gp_surround *edges, struct gp_beyond **out);
 void gp_beyond_free(struct gp_beyond **b);

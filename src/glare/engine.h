@@ -203,7 +203,7 @@ struct gp_compose_params {
  * f->layer may be empty when no pixel is a source: then lit = rgb. f->lit is
  * made when it is empty, else it has the frame's size and is overwritten. With
  * p->last an empty f->lit takes the memory of f->layer, which is empty then.
- * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */
+ * The sources are of f's size. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_compose(const struct gp_log *log,
     const struct gp_compose_params *p, const struct gp_sources *src,
     struct gp_image *f);

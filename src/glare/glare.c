@@ -512,12 +512,6 @@ gp_status gp_compose(const struct gp_log *log,
                      ? gp_minf(p->gain, 1.0f) : 0.0f,
     };
     const size_t w = (size_t) gp_image_w(f);
-
-    if (m.taken > 0.0f && (src->w != gp_image_w(f) || src->h != gp_image_h(f)))
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: the sources are those of another frame (%dx%d, "
-                       "the frame is %dx%d); report this", f->path, src->w,
-                       src->h, gp_image_w(f), gp_image_h(f));
     if (!f->lit.c[0] && p->last && f->layer.c[0]) {
         st = gp_alloc(log, "lit row", (size_t) gp_threads() * w,
                       sizeof *m.line, &m.line);

@@ -139,16 +139,6 @@ static void a_last_layer_becomes_the_lit_frame(void **state)
     }
 }
 
-static void sources_of_another_frame_are_refused(void **state)
-{
-    const struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f, false};
-    struct scene s = noise_scene(noise_frame(8, 8, 9, 4.0f));
-    s.src.h = 9;
-    assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_ERR_BUG);
-    assert_null(s.f.lit.c[0]);
-    scene_free(&s);
-}
-
 /* A pupil takes its share of every sample, of whichever mix, layer or none. */
 static void dim_takes_its_share(void **state)
 {
@@ -174,5 +164,5 @@ static void dim_takes_its_share(void **state)
 
 SUITE_OF(compose, NULL, NULL, mixes_are_their_formulas,
          scatter_conserves_energy, a_last_layer_becomes_the_lit_frame,
-         sources_of_another_frame_are_refused, dim_takes_its_share)
+         dim_takes_its_share)
 
