@@ -1,10 +1,10 @@
-/* Decodes the chunks of one part of an EXR: flat ones in parallel, straight into
- * planes, and those of deep data.
+/* Decodes the chunks of one part of an EXR: flat ones in parallel, straight
+ * into planes, and those of deep data.
  *
  * OpenEXRCore finds, reads and expands them. Here is what 3.1.5 lacks:
- * libdeflate for ZIP, in half of zlib's time (3.2 has it), stored chunks of B44,
- * subsampled blocks (unpacked_bytes()), and DWA (right from 3.1.13 on, see its
- * issue 1682). Its unpacking turns halves to floats one by one where a part has
+ * libdeflate for ZIP, in half of zlib's time (3.2 has it), stored chunks of
+ * B44, subsampled blocks (unpacked_bytes()), and DWA (right from 3.1.13 on, see
+ * its issue 1682). Its unpacking turns halves to floats one by one where a part has
  * other channels too, in all versions. */
 #include "io/exr/exr_priv.h"
 
@@ -23,8 +23,8 @@
 
 /* -- the list of chunks --------------------------------------------------- */
 
-/* Prints the line for a chunk that cannot be read: a fault of memory or the disk,
- * or else `why`. */
+/* Prints the line for a chunk that cannot be read: a fault of memory or of the
+ * disk, or else `why`. */
 static gp_status damaged(const struct gp_log *log,
                          const struct gp_exr_chunks *cs, int chunk,
                          const char *why)
@@ -66,9 +66,9 @@ static bool unpacked_bytes(const struct gp_exr_chunks *cs,
  * memory is taken. */
 static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
 {
-    // DEFLATE: a code of 2 bits can stand for 258 bytes; PXR24 makes 4 of each 3
-    // bytes, DWA a block of 128 of one code of 2. The 64 are for headers and for
-    // the last, unfinished unit
+    // DEFLATE: a code of 2 bits can stand for 258 bytes; PXR24 makes 4 of each
+    // 3 bytes, DWA a block of 128 of one code of 2. The 64 are for headers and
+    // for the last, unfinished unit
     const bool dwa = cs->compression > EXR_COMPRESSION_B44A;
     const bool stored = cs->compression == EXR_COMPRESSION_NONE;
     const uint64_t most = dwa ? 64 * 1032 : 1376;
@@ -82,7 +82,8 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
             cs->tiled ? exr_read_tile_chunk_info(exr, cs->part, i % across,
                                                  i / across, 0, 0, c)
                       : exr_read_scanline_chunk_info(exr, cs->part,
-                                                     cs->y0 + i * cs->tile_h, c);
+                                                     cs->y0 + i * cs->tile_h,
+                                                     c);
         const char *wrong = r ? exr_get_default_error_message(r) : NULL;
         uint64_t bytes = 0;
         if (!wrong && !deep && (!unpacked_bytes(cs, c, &bytes) ||
@@ -311,8 +312,8 @@ static gp_status decode_by_oiio(const struct gp_log *log,
         if (from == image.channels || gp_rect_w(image.data) != cs->w ||
             gp_rect_h(image.data) != cs->h)
             GP_TRY(gp_fail(log, GP_ERR_DATA,
-                           "%s: OpenImageIO found another window, or no channel "
-                           "%s; write the file with another compression",
+                           "%s: OpenImageIO found another window, or no "
+                           "channel %s; write the file with another compression",
                            cs->path, e->name.str));
         const float *p = image.pixels + from;
         for (size_t k = 0; to && k < n; k++, p += step) {
@@ -481,7 +482,7 @@ static gp_status read_samples(struct deep *d, int chunk)
         size += (uint64_t) (first[b.x1] - first[b.x0]) * a_sample;
     }
     if (size != c->unpacked_size)
-        return damaged(d->log, l, chunk, "its counts are not those of its samples");
+        return damaged(d->log, l, chunk, "its counts are not its samples'");
     gp_status st = read_bytes(d, chunk, c->data_offset, c->packed_size, size);
     const uint8_t *from = d->bytes;
     for (int y = b.y0; y < b.y1 && !st; y++) {

@@ -2,12 +2,12 @@
  * layout, "Chunk Layout"): planes and carried channels as chunks of scanlines,
  * or those of another file as they are.
  *
- * ZIP straight from planes with libdeflate, in half of the time that OpenEXRCore's
- * zlib takes (3.2 has libdeflate); DWA by OpenImageIO (OpenEXRCore has it,
+ * ZIP straight from planes with libdeflate, in half of the time that
+ * OpenEXRCore's zlib takes (3.2 has libdeflate); DWA by OpenImageIO (OpenEXRCore has it,
  * rightly, from 3.1.13 on); the others by OpenEXRCore.
  * Not put into the file by that: 3.1.5 refuses chunks out of order (unless the
- * part's lineOrder is random) and deep chunks without samples, and carried parts
- * have both. Its write_scan_chunk() and write_tile_chunk() do so at 01e9f18f of
+ * part's lineOrder is random) and deep chunks without samples, and carried
+ * parts have both. Its write_scan_chunk() and write_tile_chunk() do so at 01e9f18f of
  * its repository too. */
 #include "io/exr/exr_priv.h"
 
@@ -148,8 +148,8 @@ out:
 enum { CHUNKS_A_THREAD = 16 };
 static const size_t batch_bytes = (size_t) 64 << 20;
 
-/* Of libdeflate's levels the fastest whose files are as small as those of zlib's
- * level 4, which OpenEXR writes: within 2 % on rendered nights of half and
+/* Of libdeflate's levels the fastest whose files are as small as those of
+ * zlib's level 4, which OpenEXR writes: within 2 % on rendered nights of half and
  * float and on files of 4 to 56 channels, in 0.4 to 0.65 of its time. Level 1
  * takes 0.25 to 0.45, and 2 to 5 % more bytes. */
 enum { ZIP_LEVEL = 2 };
@@ -382,7 +382,8 @@ static gp_status encode_chunk(void *ctx, int i, int thread)
     const struct gp_rect r = b->img->data;
     const int y0 = r.y0 + (b->first + i) * b->rows;
     *s = (struct slot) {
-        .img = b->img, .y0 = y0, .y1 = b->rows < r.y1 - y0 ? y0 + b->rows : r.y1,
+        .img = b->img, .y0 = y0,
+        .y1 = b->rows < r.y1 - y0 ? y0 + b->rows : r.y1,
     };
     if (b->library)
         return run_library(b->library, s, to);
@@ -500,7 +501,7 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
     const struct gp_log *const log = out->log;
     const char *const path = gp_file_path(out->file);
     const size_t n = (size_t) img->sources;
-    const int units = (int) img->quality; // by halves: no locale's decimal comma
+    const int units = (int) img->quality; // by halves: no locale's comma
     gp_status st;
     const char **names = NULL;
     int *types = NULL;

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* -- the channels of a part ------------------------------------------------- */
+/* -- the channels of a part ----------------------------------------------- */
 
 /* Colours over the largest value that the file can hold: of a half, or of DWA,
  * which holds nothing over DWA_MAX. With GP_OUT_AUTO a frame of halfs is
@@ -659,7 +659,8 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
         bool whole = colour.model == GP_COLOUR_RGB, all = true;
         for (int c = 0; c < 3 && all && whole; c++) {
             all = index[c] >= 0;
-            const struct gp_channel *const own = &f->channel[all ? index[c] : i];
+            const struct gp_channel *const own =
+                &f->channel[all ? index[c] : i];
             whole = own->type != GP_UINT && own->xs == 1 && own->ys == 1;
         }
         if (!all)
@@ -687,8 +688,8 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
         gp_say(log, GP_LEVEL_INFO, "%s: converts the layers of %s too", f->path,
                converted);
     if (left[0])
-        gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or luminance "
-               "and chroma are not converted (%s); write them to a file of "
+        gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or "
+               "luminance and chroma are not converted (%s); write them to a file of "
                "their own", f->path, left);
 out:
     gp_free(name);

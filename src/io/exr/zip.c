@@ -67,8 +67,8 @@ static bool expand_runs(const uint8_t *in, size_t in_size, uint8_t *out,
     return out == out_end;
 }
 
-/* Sums the differences of both halves, which go on from the first to the second,
- * and puts their bytes in turns to `out`. */
+/* Sums the differences of both halves, which go on from the first to the
+ * second, and puts their bytes in turns to `out`. */
 static void undo_filter(const uint8_t *restrict in, uint8_t *restrict out,
                         size_t n)
 {
