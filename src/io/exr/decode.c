@@ -61,6 +61,15 @@ static bool unpacked_bytes(const struct gp_exr_chunks *cs,
     return true;
 }
 
+/* The pixels of a chunk in the data window. */
+static struct gp_rect pixels_of(const struct gp_exr_chunks *cs,
+                                const exr_chunk_info_t *c)
+{
+    const int x = cs->tiled ? c->start_x * cs->tile_w : 0;
+    const int y = cs->tiled ? c->start_y * cs->tile_h : c->start_y - cs->y0;
+    return (struct gp_rect) {x, y, x + c->width, y + c->height};
+}
+
 /* Asks the library for all chunks. It checks that each is in the file and where
  * its number says; not that so few bytes can become so many pixels, for which
  * memory is taken. */
@@ -198,12 +207,11 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
     const struct worker *w = pipe->decoding_user_data;
     const struct gp_exr_chunks *cs = w->chunks;
     const exr_chunk_info_t *c = &pipe->chunk;
-    const int x0 = cs->tiled ? c->start_x * cs->tile_w : 0;
-    const int y0 = cs->tiled ? c->start_y * cs->tile_h : c->start_y - cs->y0;
+    const struct gp_rect r = pixels_of(cs, c);
     const uint8_t *from = pipe->unpacked_buffer;
     if (!from)
         return EXR_ERR_CORRUPT_CHUNK;
-    for (int y = y0; y < y0 + c->height; y++) {
+    for (int y = r.y0; y < r.y1; y++) {
         for (int i = 0; i < cs->channel->num_channels; i++) {
             const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
             const struct gp_exr_sink *s = &w->sink[i];
@@ -213,7 +221,7 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
             const size_t n = (size_t) (c->width / e->x_sampling);
             const size_t width = (size_t) (cs->w / e->x_sampling);
             const size_t index = (size_t) (y / e->y_sampling) * width +
-                                 (size_t) (x0 / e->x_sampling);
+                                 (size_t) (r.x0 / e->x_sampling);
             const size_t size = half ? 2 : 4;
             const void *const row = from;
             from += n * size;
@@ -290,14 +298,6 @@ static gp_status decode_by_oiio(const struct gp_log *log,
     const size_t n = (size_t) cs->w * (size_t) cs->h;
     struct gp_decoded image = {0};
     gp_status st;
-    for (int i = 0; i < cs->channel->num_channels; i++) {
-        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
-        if (e->x_sampling != 1 || e->y_sampling != 1)
-            return gp_fail(log, GP_ERR_DATA,
-                           "%s: channel %s is subsampled and DWA compressed, "
-                           "which glarepp cannot decode; write the file with "
-                           "another compression", cs->path, e->name.str);
-    }
     GP_TRY(gp_oiio_open(log, cs->path, s, "openexr", cs->part, (long long) n,
                         &image));
     GP_TRY(gp_decoded_load(log, &image));
@@ -404,15 +404,6 @@ struct deep {
     size_t room;    // bytes of each of these three
 };
 
-/* The pixels of chunk `i` in the data window. */
-static struct gp_rect pixels_of(const struct gp_exr_chunks *l, int i)
-{
-    const int across = (l->w - 1) / l->tile_w + 1;
-    const int x = i % across * l->tile_w, y = i / across * l->tile_h;
-    return (struct gp_rect) {x, y, x + gp_min(l->tile_w, l->w - x),
-                             y + gp_min(l->tile_h, l->h - y)};
-}
-
 /* Reads and expands `packed` bytes at `from` into d->bytes, `size` of them. */
 static gp_status read_bytes(struct deep *d, int chunk, uint64_t from,
                             uint64_t packed, uint64_t size)
@@ -447,7 +438,7 @@ static gp_status read_counts(struct deep *d, int chunk)
 {
     const struct gp_exr_chunks *const l = &d->out->part;
     const exr_chunk_info_t *const c = &l->chunk[chunk];
-    const struct gp_rect b = pixels_of(l, chunk);
+    const struct gp_rect b = pixels_of(l, c);
     gp_status st = read_bytes(d, chunk, c->sample_count_data_offset,
                               c->sample_count_table_size,
                               (uint64_t) gp_rect_w(b) *
@@ -472,7 +463,7 @@ static gp_status read_samples(struct deep *d, int chunk)
 {
     const struct gp_exr_chunks *const l = &d->out->part;
     const exr_chunk_info_t *const c = &l->chunk[chunk];
-    const struct gp_rect b = pixels_of(l, chunk);
+    const struct gp_rect b = pixels_of(l, c);
     const int channels = l->channel->num_channels;
     uint64_t size = 0, a_sample = 0;
     for (int i = 0; i < channels; i++)

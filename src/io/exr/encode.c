@@ -293,7 +293,8 @@ static gp_status run_library(exr_context_t ctxt, struct slot *s, uint8_t *to)
     exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
     exr_chunk_info_t chunk;
     gp_exr_fault_clear();
-    exr_result_t r = exr_write_scanline_chunk_info(ctxt, 0, s->y0, &chunk);
+    exr_result_t r = exr_write_scanline_chunk_info(ctxt, 0,
+        s->y0 - s->img->data.y0, &chunk);
     if (!r)
         r = exr_encoding_initialize(ctxt, 0, &chunk, &pipe);
     for (int c = 0; c < pipe.channel_count; c++) {
@@ -324,14 +325,10 @@ static gp_status run_library(exr_context_t ctxt, struct slot *s, uint8_t *to)
 }
 
 /* Opens a file that goes nowhere, with the least header that the library's
- * compressors need. */
+ * compressors need: its lines count from 0. */
 static exr_result_t open_library(const struct gp_exr_image *img,
                                  exr_context_t *ctxt)
 {
-    const struct gp_rect d = img->data;
-    const exr_attr_box2i_t window = {.min = {.x = d.x0, .y = d.y0},
-                                     .max = {.x = d.x1 - 1, .y = d.y1 - 1}};
-    const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     int part;
     init.error_handler_fn = print_nothing;
@@ -346,8 +343,8 @@ static exr_result_t open_library(const struct gp_exr_image *img,
     if (!r)
         r = exr_add_part(*ctxt, "part", EXR_STORAGE_SCANLINE, &part);
     if (!r)
-        r = exr_initialize_required_attr(*ctxt, part, &window, &window, 1.0f,
-            &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
+        r = exr_initialize_required_attr_simple(*ctxt, part,
+            gp_rect_w(img->data), gp_rect_h(img->data),
             (exr_compression_t) img->compression);
     for (int i = 0; !r && i < img->sources; i++) {
         const struct gp_exr_source *s = &img->source[i];
