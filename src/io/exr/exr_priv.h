@@ -121,8 +121,8 @@ struct gp_exr_choice {
 /* Chooses by p->layer, p->part and p->view, as read.h says.
  *
  *   first  the part that is searched first
- *   out    written only on GP_OK; may be a deep part, without a colour, which
- *          gp_exr_chunks_find() refuses
+ *   out    may be a deep part, without a colour, which gp_exr_chunks_find()
+ *          refuses
  *
  * Errors: GP_ERR_DATA no colour channel; GP_ERR_USAGE as in gp_read_frame(). */
 GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
