@@ -95,14 +95,13 @@ static int by_offset(const void *a, const void *b)
 gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
                           const struct gp_input *in, int from)
 {
-    enum { BLOCK_BYTES = 1 << 18 };
     gp_status st;
     struct gp_exr_table *t = &out->table[part];
     const int n = t->chunks;
     const size_t number = in->index->multi ? 4 : 0; // bytes of the part's
-    void *block = NULL;
+    void *chunk = NULL;
+    uint64_t room = 0;
     struct place *place = NULL;
-    GP_TRY(gp_alloc(out->log, path, BLOCK_BYTES, 1, &block));
     GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *place, &place));
     gp_exr_fault_clear();
     if (n < 1 || !gp_exr_offsets_read(in, from, 0, n, t->offset))
@@ -112,22 +111,21 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
     if (!st)
         qsort(place, (size_t) n, sizeof *place, by_offset);
     for (int i = 0; !st && i < n; i++) {
-        uint64_t at = place[i].offset;
-        uint64_t left = gp_exr_chunk_bytes(in, from, at);
-        if (left == 0 || at + left > in->stream.size)
+        const uint64_t at = place[i].offset;
+        const uint64_t bytes = gp_exr_chunk_bytes(in, from, at);
+        const uint64_t copied = bytes - number;
+        if (bytes == 0 || at + bytes > in->stream.size) {
             st = GP_ERR_DATA;
-        else
-            st = begin_chunk(out, part, place[i].index);
-        at += number;
-        left -= number;
-        while (!st && left > 0) {
-            const size_t step = left < BLOCK_BYTES ? left : BLOCK_BYTES;
-            st = gp_exr_read_bytes(&in->stream, block, step, at) ==
-                         (int64_t) step
-                     ? gp_file_write(out->file, block, step) : GP_ERR_DATA;
-            at += step;
-            left -= step;
+            break;
         }
+        if (bytes > room) {
+            GP_TRY(gp_resize(out->log, path, bytes, &chunk));
+            room = bytes;
+        }
+        GP_TRY(begin_chunk(out, part, place[i].index));
+        st = gp_exr_read_bytes(&in->stream, chunk, copied, at + number) ==
+                     (int64_t) copied
+                 ? gp_file_write(out->file, chunk, copied) : GP_ERR_DATA;
     }
     if (st == GP_ERR_DATA && gp_exr_fault())
         st = gp_exr_fault_print(out->log, path, gp_exr_fault());
@@ -137,7 +135,7 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
             "file again, or give --hdr a file without it", path, from);
 out:
     gp_free(place);
-    gp_free(block);
+    gp_free(chunk);
     return st;
 }
 
@@ -205,11 +203,10 @@ static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
             const size_t n = (size_t) s->columns, size = gp_type_size(s->type);
             if (y % s->ys != 0)
                 continue;
-            const size_t before = at;
+            uint8_t *const row = to ? to + at : NULL;
             at += n * size;
             if (!to)
                 continue;
-            uint8_t *const row = to + before;
             // from the row of the channel's own grid, which need not begin at
             // y0
             const int first = top + (s->ys - top % s->ys) % s->ys % s->ys;

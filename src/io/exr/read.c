@@ -251,17 +251,16 @@ static bool holds_choice(const struct gp_frame *f,
                          const struct gp_exr_choice *choice)
 {
     const exr_attr_chlist_t *list;
-    if (choice->part != f->part || choice->colour.model == GP_COLOUR_YC ||
-        exr_get_channels(gp_input_of(f)->exr, f->part, &list) ||
-        list->num_channels != f->channels)
-        return false;
-    for (int k = 0; k < 3; k++) {
+    bool all = choice->part == f->part &&
+               choice->colour.model != GP_COLOUR_YC &&
+               !exr_get_channels(gp_input_of(f)->exr, f->part, &list) &&
+               list->num_channels == f->channels;
+    for (int k = 0; all && k < 3; k++) {
         const int i = choice->colour.index[k];
-        const struct gp_channel *c = i < 0 ? NULL : &f->channel[i];
-        if (c && (!c->data || c->xs != 1 || c->ys != 1))
-            return false;
+        all = i < 0 || (f->channel[i].data && f->channel[i].xs == 1 &&
+                        f->channel[i].ys == 1);
     }
-    return true;
+    return all;
 }
 
 /* A frame like f, with the colour that f's channels hold. */
