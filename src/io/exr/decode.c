@@ -139,9 +139,8 @@ static gp_status find_chunks(const struct gp_log *log, const char *path,
     out->w = out->tile_w = (int) w;
     out->h = (int) h;
 
-    // the number of chunks of level 0, which come first in the table; each has
-    // 8 bytes there, so the file bounds the list
-    const uint64_t size = in->stream.size;
+    // the number of chunks of level 0, which come first in the table, which is
+    // in the file: that bounds the list
     const int all = in->index->part[part].chunks;
     uint32_t tw, th;
     int64_t n = 0;
@@ -159,11 +158,11 @@ static gp_status find_chunks(const struct gp_log *log, const char *path,
     }
     if (out->tile_w > 0 && out->tile_h > 0)
         n = ((w - 1) / out->tile_w + 1) * ((h - 1) / out->tile_h + 1);
-    if (n < 1 || n > all || (uint64_t) n > size / 8)
+    if (n < 1 || n > all)
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: truncated or damaged (%d chunks in a file of %llu "
-                       "bytes, %lld needed); copy or render the file again",
-                       path, all, (unsigned long long) size, (long long) n);
+                       "%s: truncated or damaged (%d chunks, %lld needed); "
+                       "copy or render the file again", path, all,
+                       (long long) n);
     out->chunks = (int) n;
     GP_TRY(gp_alloc_zero(log, "chunks", (size_t) n, sizeof *out->chunk,
                          &out->chunk));
@@ -502,15 +501,6 @@ gp_status gp_exr_deep_read(const struct gp_log *log, const char *path,
     gp_status st;
     *out = (struct gp_exr_deep) {0};
     GP_TRY(find_chunks(log, path, in, part, max_pixels, l));
-    bool fits = l->compression <= EXR_COMPRESSION_ZIPS;
-    for (int i = 0; i < l->channel->num_channels; i++)
-        fits &= l->channel->entries[i].x_sampling == 1 &&
-                l->channel->entries[i].y_sampling == 1;
-    if (!fits)
-        GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: deep part %d is subsampled, or has a compression "
-                       "that deep data cannot have (number %d); write it in "
-                       "full, as zips", path, part, (int) l->compression));
     gp_exr_fault_clear();
     d.inflate = libdeflate_alloc_decompressor();
     if (!d.inflate)
