@@ -30,20 +30,19 @@ gp_status gp_exr_out_tables(struct gp_exr_out *out, const int *chunks,
 {
     const uint32_t version = GP_EXR_VERSION | out->flags;
     const char *const path = gp_file_path(out->file);
-    gp_status st = gp_file_patch(out->file, 4, &version, sizeof version);
-    if (!st)
-        st = gp_alloc_zero(out->log, path, (size_t) parts, sizeof *out->table,
-                           &out->table);
-    out->parts = st ? 0 : parts;
-    for (int p = 0; p < parts && !st; p++) {
-        struct gp_exr_table *t = &out->table[p];
-        const size_t n = (size_t) chunks[p];
-        t->chunks = chunks[p];
-        t->at = gp_file_size(out->file);
-        st = gp_alloc_zero(out->log, path, n, sizeof *t->offset, &t->offset);
-        if (!st)
-            st = gp_file_write(out->file, t->offset, n * sizeof *t->offset);
-    }
+    gp_status st;
+    GP_TRY(gp_file_patch(out->file, 4, &version, sizeof version));
+    GP_TRY(gp_alloc_zero(out->log, path, (size_t) parts + 1,
+                         sizeof *out->first, &out->first));
+    for (int p = 0; p < parts; p++)
+        out->first[p + 1] = out->first[p] + (size_t) chunks[p];
+    out->chunks = out->first[parts];
+    GP_TRY(gp_alloc_zero(out->log, path, out->chunks, sizeof *out->offset,
+                         &out->offset));
+    out->tables = gp_file_size(out->file);
+    GP_TRY(gp_file_write(out->file, out->offset,
+                         out->chunks * sizeof *out->offset));
+out:
     return st;
 }
 
@@ -52,27 +51,21 @@ gp_status gp_exr_out_tables(struct gp_exr_out *out, const int *chunks,
 static gp_status begin_chunk(struct gp_exr_out *out, int part, int index)
 {
     const int32_t number = part;
-    out->table[part].offset[index] = gp_file_size(out->file);
+    out->offset[out->first[part] + (size_t) index] = gp_file_size(out->file);
     return gp_file_write(out->file, &number,
                          out->flags & GP_EXR_MULTIPART ? sizeof number : 0);
 }
 
 gp_status gp_exr_out_end(struct gp_exr_out *out)
 {
-    gp_status st = GP_OK;
-    for (int p = 0; p < out->parts && !st; p++) {
-        const struct gp_exr_table *t = &out->table[p];
-        st = gp_file_patch(out->file, t->at, t->offset,
-                           (size_t) t->chunks * sizeof *t->offset);
-    }
-    return st;
+    return gp_file_patch(out->file, out->tables, out->offset,
+                         out->chunks * sizeof *out->offset);
 }
 
 void gp_exr_out_free(struct gp_exr_out *out)
 {
-    for (int p = 0; p < out->parts; p++)
-        gp_free(out->table[p].offset);
-    gp_free(out->table);
+    gp_free(out->first);
+    gp_free(out->offset);
     *out = (struct gp_exr_out) {0};
 }
 
@@ -96,18 +89,18 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
                           const struct gp_input *in, int from)
 {
     gp_status st;
-    struct gp_exr_table *t = &out->table[part];
-    const int n = t->chunks;
+    uint64_t *const offset = out->offset + out->first[part];
+    const int n = (int) (out->first[part + 1] - out->first[part]);
     const size_t number = in->index->multi ? 4 : 0; // bytes of the part's
     void *chunk = NULL;
     uint64_t room = 0;
     struct place *place = NULL;
     GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *place, &place));
     gp_exr_fault_clear();
-    if (n < 1 || !gp_exr_offsets_read(in, from, 0, n, t->offset))
+    if (n < 1 || !gp_exr_offsets_read(in, from, 0, n, offset))
         st = GP_ERR_DATA;
     for (int i = 0; !st && i < n; i++)
-        place[i] = (struct place) {t->offset[i], i};
+        place[i] = (struct place) {offset[i], i};
     if (!st)
         qsort(place, (size_t) n, sizeof *place, by_offset);
     for (int i = 0; !st && i < n; i++) {

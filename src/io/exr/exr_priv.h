@@ -211,18 +211,14 @@ int gp_exr_chunk_count(const struct gp_exr_image *img);
  * Begin(), attributes by put...() (header.c); tables(), chunks of all parts,
  * end() (encode.c). */
 
-struct gp_exr_table {
-    uint64_t at;      // its first byte in the file
-    uint64_t *offset; // of each chunk
-    int chunks;
-};
-
 struct gp_exr_out {
     const struct gp_log *log;
     struct gp_file *file; // borrowed
     uint32_t flags;       // of the version field
-    struct gp_exr_table *table;
-    int parts;
+    uint64_t tables;      // their first byte in the file
+    uint64_t *offset;     // of the chunks of all parts, `chunks` of them
+    size_t *first;        // the first of each part among these, and `chunks`
+    size_t chunks;
 };
 
 /* The attributes of the input that a part gets. */
