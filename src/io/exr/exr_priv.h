@@ -8,6 +8,9 @@
 
 #include <stdint.h>
 
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+               "EXR is little-endian: big-endian machines need byte swaps");
+
 /* -- why the library failed (open.c) ----------------------------------------
  *
  * The library reports full memory and read errors as a damaged file, and after

@@ -5,9 +5,6 @@
 
 #include <string.h>
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-               "EXR is little-endian and is written from memory as it is");
-
 /* -- a header's bytes ----------------------------------------------------- */
 
 enum { SHORT_NAME = 31 }; // longest name without GP_EXR_LONG_NAMES

@@ -23,7 +23,7 @@ void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
 {
     const exr_context_t exr = cs->input->exr;
     exr_attr_box2i_t b;
-    exr_attr_chromaticities_t c;
+    exr_attr_chromaticities_t c; // in our order
     f->data = (struct gp_rect) {cs->x0, cs->y0, cs->x0 + cs->w,
                                 cs->y0 + cs->h};
     f->display = f->data;
@@ -35,9 +35,7 @@ void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
     memcpy(f->chromaticities, gp_rec709_chromaticities,
            sizeof f->chromaticities);
     if (!exr_attr_get_chromaticities(exr, cs->part, "chromaticities", &c)) {
-        const float given[8] = {c.red_x,  c.red_y,  c.green_x, c.green_y,
-                                c.blue_x, c.blue_y, c.white_x, c.white_y};
-        memcpy(f->chromaticities, given, sizeof given);
+        memcpy(f->chromaticities, &c, sizeof f->chromaticities);
         f->names_chromaticities = true;
     }
     gp_luminance_weights(f->chromaticities, f->luminance);

@@ -7,10 +7,6 @@
 #include <libdeflate.h>
 #include <string.h>
 
-// little-endian samples are read as they are; EXR has no other order
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-               "big-endian machines need byte swaps in io");
-
 /* -- out ------------------------------------------------------------------ */
 
 /* Splits `n` bytes (even) into those at even and at odd places, and turns
