@@ -4,8 +4,8 @@
  * OpenEXRCore finds, reads and expands them. Here is what 3.1.5 lacks:
  * libdeflate for ZIP, in half of zlib's time (3.2 has it), stored chunks of
  * B44, subsampled blocks (unpacked_bytes()), and DWA (right from 3.1.13 on, see
- * its issue 1682). Its unpacking turns halves to floats one by one where a part has
- * other channels too, in all versions. */
+ * its issue 1682). Its unpacking turns halves to floats one by one where a part
+ * has other channels too, in all versions. */
 #include "io/exr/exr_priv.h"
 
 #include "core/bytes.h"
@@ -234,7 +234,7 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
                 memcpy(to, row, n * size);
             const bool number = e->pixel_type == EXR_PIXEL_UINT && s->as_float;
             for (size_t k = 0; number && k < n; k++)
-                ((float *) to)[k] = (float) ((const uint32_t *) row)[k];
+                ((float *) to)[k] = (float) gp_bits_of(((float *) to)[k]);
         }
     }
     return EXR_ERR_SUCCESS;

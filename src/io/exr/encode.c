@@ -3,12 +3,12 @@
  * or those of another file as they are.
  *
  * ZIP straight from planes with libdeflate, in half of the time that
- * OpenEXRCore's zlib takes (3.2 has libdeflate); DWA by OpenImageIO (OpenEXRCore has it,
- * rightly, from 3.1.13 on); the others by OpenEXRCore.
+ * OpenEXRCore's zlib takes (3.2 has libdeflate); DWA by OpenImageIO (OpenEXRCore
+ * has it, rightly, from 3.1.13 on); the others by OpenEXRCore.
  * Not put into the file by that: 3.1.5 refuses chunks out of order (unless the
  * part's lineOrder is random) and deep chunks without samples, and carried
- * parts have both. Its write_scan_chunk() and write_tile_chunk() do so at 01e9f18f of
- * its repository too. */
+ * parts have both. Its write_scan_chunk() and write_tile_chunk() do so at
+ * 01e9f18f of its repository too. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -140,8 +140,8 @@ enum { CHUNKS_A_THREAD = 16 };
 static const size_t batch_bytes = (size_t) 64 << 20;
 
 /* Of libdeflate's levels the fastest whose files are as small as those of
- * zlib's level 4, which OpenEXR writes: within 2 % on rendered nights of half and
- * float and on files of 4 to 56 channels, in 0.4 to 0.65 of its time. Level 1
+ * zlib's level 4, which OpenEXR writes: within 2 % on rendered nights of half
+ * and float and on files of 4 to 56 channels, in 0.4 to 0.65 of its time. Level 1
  * takes 0.25 to 0.45, and 2 to 5 % more bytes. */
 enum { ZIP_LEVEL = 2 };
 

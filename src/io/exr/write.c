@@ -661,8 +661,8 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
                converted);
     if (left[0])
         gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or "
-               "luminance and chroma are not converted (%s); write them to a file of "
-               "their own", f->path, left);
+               "luminance and chroma are not converted (%s); write them to a "
+               "file of their own", f->path, left);
 out:
     gp_free(name);
     gp_planes_free(&from);
