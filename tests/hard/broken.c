@@ -73,9 +73,9 @@ void hard_broken(void)
         print_row(gltf_wrong[i].name,
                   count_faults(gm_write("%s", gltf_wrong[i].json), GP_ERR_DATA,
                                gltf_wrong[i].part));
-    print_row("no .bin beside it", count_faults(gm_write("'buffers': [{'byteLength': 1, "
-                                            "'uri': 'no.bin'}]"), GP_ERR_IO,
-                                   "no.bin"));
+    print_row("no .bin beside it",
+              count_faults(gm_write("'buffers': [{'byteLength': 1, "
+                                    "'uri': 'no.bin'}]"), GP_ERR_IO, "no.bin"));
     print_bytes();
     hard_table_end();
     if (remove_folder(NULL))

@@ -1,8 +1,9 @@
 /* Every format over the hard cases: what is read back against what was to be
  * stored, windows and the rules for NaN, Inf and overflow included. EXR is read
  * by io's reader, what io writes else by plain readers, and other formats
- * through OpenImageIO. Lossy ones of these are compared with what it decodes of a file that it made of the codes of a PNG: what io
- * gave it was right when no sample differs. */
+ * through OpenImageIO. Lossy ones of these are compared with what it decodes of
+ * a file that it made of the codes of a PNG: what io gave it was right when no
+ * sample differs. */
 #include "hardcases.h"
 #include "hash.h"
 #include "views.h"
@@ -18,7 +19,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-// -- plain readers of the display formats, by their specifications -------------
+// -- plain readers of the display formats, by their specifications ------------
 
 /* w * h * 3 samples, R, G, B, rows from the top: codes of integer formats as
  * numbers, floats as they are. The caller frees `v`. */
@@ -155,7 +156,7 @@ static void read_picture(const char *path, enum form form, struct picture *out)
         read_raw(path, form, out);
 }
 
-// -- what is stored ------------------------------------------------------------
+// -- what is stored -----------------------------------------------------------
 
 /* A format's form of samples, and so the unit of its error. */
 enum store {
@@ -181,9 +182,8 @@ struct family {
 
 // -- lossy EXR ----------------------------------------------------------------
 //
-// Limits of the change by EXR's compressions, from their encoders, and the error
-// of what was read back, HARD_NO_BAR where a value is lost. Sources: OpenEXR
-// 3.1.5, ImfPxr24Compressor, ImfB44Compressor, ImfDwaCompressor.
+// Limits of the change by EXR's compressions, from OpenEXR 3.1.5's encoders, and
+// the error of what was read back, HARD_NO_BAR where a value is lost.
 
 /* PXR24 keeps a float's sign, exponent and 15 of its 23 bits, rounded: of the
  * value, at most 2^-16. Below the normal range, of the least normal value. */
@@ -325,7 +325,8 @@ static const struct hard_column own_columns[] = {
 
 static const struct family own = {
     "Files",
-    "largest error of a sample read back, over all compressions and byte orders",
+    "largest error of a sample read back, over all compressions and byte "
+    "orders",
     own_formats, COUNT(own_formats), own_columns,
 };
 

@@ -39,7 +39,7 @@ void hard_cell_if(bool ran, double error, double bar);
  * asks for one. */
 void hard_table_end(void);
 
-/* -- cases ------------------------------------------------------------------ */
+/* -- cases ---------------------------------------------------------------- */
 
 /* Rows that are run, in the table's order: all, or the quick ones. */
 extern int hard_quick;
@@ -59,10 +59,10 @@ static inline int hard_is_threaded(int i)
     return i % 7 == 3 && hard_is_run(&hard_cases[i]);
 }
 
-/* Adds a table's rows "N threads": for each number of threads, what count() adds
- * up over those of `rows` cases that are picked. It adds to differ[column] how
- * many things of that case are not those of one thread, or NAN where they cannot
- * be made here; the bar is 0. */
+/* Adds a table's rows "N threads": for each number of threads, what count()
+ * adds up over those of `rows` cases that are picked. It adds to differ[column]
+ * how many things of that case are not those of one thread, or NAN where they
+ * cannot be made here; the bar is 0. */
 typedef int (*hard_picked)(int row);
 typedef void (*hard_count_differing)(int row, int threads, double *differ);
 void hard_thread_rows(int columns, int rows, hard_picked picked,

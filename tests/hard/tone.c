@@ -175,7 +175,8 @@ static uint64_t hash_of(const struct way *w, int row, int threads)
 static void count_differing(int row, int threads, double *differ)
 {
     for (int i = 0; i < WAYS; i++)
-        differ[i] += hash_of(&ways[i], row, 1) != hash_of(&ways[i], row, threads);
+        differ[i] += hash_of(&ways[i], row, 1) !=
+                     hash_of(&ways[i], row, threads);
 }
 
 void hard_tone(void)

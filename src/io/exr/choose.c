@@ -221,13 +221,14 @@ struct search {
 
 /* Searches all parts in their order for colour, then for a lone channel, which
  * is less likely the picture. Without a layer's name it takes a deep part
- * before a lone channel, so that its reader reports it. */
+ * before a lone channel, so that its reader reports it. Without success
+ * out->part is -1. */
 static gp_status search_parts(const struct search *s, const char *layer,
-    const char *view, struct gp_exr_choice *out, bool *found)
+    const char *view, struct gp_exr_choice *out)
 {
     const struct gp_input *const in = s->in;
     int deep = -1;
-    *found = false;
+    *out = (struct gp_exr_choice) {.part = -1};
     for (int lone = 0; lone < 2; lone++) {
         for (int i = -1; i < in->parts; i++) {
             const int part = i < 0 ? s->first : i;
@@ -256,27 +257,25 @@ static gp_status search_parts(const struct search *s, const char *layer,
             const char *called;
             const size_t n = gp_exr_part_layer(in, part, &called);
             const bool data = n > 0 && s->only < 0 && !gp_is_light(called, n);
-            if (!layer)
-                *found = !data && gp_find_colour(name, channels, lone,
-                                                 &out->colour);
-            else
-                *found = gp_find_layer_colour(name, channels, layer, lone,
+            const bool found =
+                !layer ? !data && gp_find_colour(name, channels, lone,
+                                                 &out->colour)
+                       : gp_find_layer_colour(name, channels, layer, lone,
                                               &out->colour) ||
-                         (!lone && n > 0 &&
-                          (strcmp(called, layer) == 0 ||
-                           is_word(called, n, layer)) &&
-                          gp_find_layer_colour(name, channels, "", false,
-                                               &out->colour));
+                             (!lone && n > 0 &&
+                              (strcmp(called, layer) == 0 ||
+                               is_word(called, n, layer)) &&
+                              gp_find_layer_colour(name, channels, "", false,
+                                                   &out->colour));
             gp_free(name);
-            if (*found) {
+            if (found) {
                 out->part = part;
                 return GP_OK;
             }
         }
         if (deep >= 0 && !layer) {
             *out = (struct gp_exr_choice) {.part = deep};
-            *found = true;
-            return GP_OK;
+            break;
         }
     }
     return GP_OK;
@@ -380,31 +379,27 @@ gp_status gp_exr_choose(const struct gp_log *log,
 {
     struct search s = {.log = log, .in = in, .first = first, .only = -1};
     char word[GP_CHANNEL_NAME + 1];
-    bool found = false;
     gp_exr_crypto(in, &s.crypto);
     if (p->part) {
         s.only = part_number(in, p->part);
         if (s.only < 0)
             return not_there(&s, p, path);
     }
-    gp_status st = search_parts(&s, p->layer, p->view, out, &found);
-    if (!st && !found && p->layer && !p->view &&
+    gp_status st = search_parts(&s, p->layer, p->view, out);
+    if (!st && out->part < 0 && p->layer && !p->view &&
         strlen(p->layer) < sizeof word) {
         // no layer of that name: tries VIEW, VIEW.LAYER and LAYER.VIEW
         strcpy(word, p->layer);
-        char *const one = strchr(word, '.'), *const last = strrchr(word, '.');
-        st = search_parts(&s, NULL, p->layer, out, &found);
-        if (!st && !found && one) {
-            *one = '\0';
-            st = search_parts(&s, one + 1, word, out, &found);
-            *one = '.';
-        }
-        if (!st && !found && last) {
-            *last = '\0';
-            st = search_parts(&s, word, last + 1, out, &found);
+        char *const dot[2] = {strchr(word, '.'), strrchr(word, '.')};
+        st = search_parts(&s, NULL, p->layer, out);
+        for (int i = 0; i < 2 && dot[i] && !st && out->part < 0; i++) {
+            *dot[i] = '\0';
+            st = search_parts(&s, i ? word : dot[i] + 1, i ? dot[i] + 1 : word,
+                              out);
+            *dot[i] = '.';
         }
     }
-    if (st || found)
+    if (st || out->part >= 0)
         return st;
     if (p->layer || p->part || p->view)
         return not_there(&s, p, path);

@@ -1,11 +1,11 @@
-/* Decodes the chunks of one part of an EXR: flat ones in parallel, straight into
- * planes, and those of deep data.
+/* Decodes the chunks of one part of an EXR: flat ones in parallel, straight
+ * into planes, and those of deep data.
  *
  * OpenEXRCore finds, reads and expands them. Here is what 3.1.5 lacks:
- * libdeflate for ZIP, in half of zlib's time (3.2 has it), stored chunks of B44,
- * subsampled blocks (unpacked_bytes()), and DWA (right from 3.1.13 on, see its
- * issue 1682). Its unpacking turns halves to floats one by one where a part has
- * other channels too, in all versions. */
+ * libdeflate for ZIP, in half of zlib's time (3.2 has it), stored chunks of
+ * B44, subsampled blocks (unpacked_bytes()), and DWA (right from 3.1.13 on, see
+ * its issue 1682). Its unpacking turns halves to floats one by one where a part
+ * has other channels too, in all versions. */
 #include "io/exr/exr_priv.h"
 
 #include "core/bytes.h"
@@ -23,8 +23,8 @@
 
 /* -- the list of chunks --------------------------------------------------- */
 
-/* Prints the line for a chunk that cannot be read: a fault of memory or the disk,
- * or else `why`. */
+/* Prints the line for a chunk that cannot be read: a fault of memory or of the
+ * disk, or else `why`. */
 static gp_status damaged(const struct gp_log *log,
                          const struct gp_exr_chunks *cs, int chunk,
                          const char *why)
@@ -61,14 +61,23 @@ static bool unpacked_bytes(const struct gp_exr_chunks *cs,
     return true;
 }
 
+/* The pixels of a chunk in the data window. */
+static struct gp_rect pixels_of(const struct gp_exr_chunks *cs,
+                                const exr_chunk_info_t *c)
+{
+    const int x = cs->tiled ? c->start_x * cs->tile_w : 0;
+    const int y = cs->tiled ? c->start_y * cs->tile_h : c->start_y - cs->y0;
+    return (struct gp_rect) {x, y, x + c->width, y + c->height};
+}
+
 /* Asks the library for all chunks. It checks that each is in the file and where
  * its number says; not that so few bytes can become so many pixels, for which
  * memory is taken. */
 static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
 {
-    // DEFLATE: a code of 2 bits can stand for 258 bytes; PXR24 makes 4 of each 3
-    // bytes, DWA a block of 128 of one code of 2. The 64 are for headers and for
-    // the last, unfinished unit
+    // DEFLATE: a code of 2 bits can stand for 258 bytes; PXR24 makes 4 of each
+    // 3 bytes, DWA a block of 128 of one code of 2. The 64 are for headers and
+    // for the last, unfinished unit
     const bool dwa = cs->compression > EXR_COMPRESSION_B44A;
     const bool stored = cs->compression == EXR_COMPRESSION_NONE;
     const uint64_t most = dwa ? 64 * 1032 : 1376;
@@ -82,7 +91,8 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
             cs->tiled ? exr_read_tile_chunk_info(exr, cs->part, i % across,
                                                  i / across, 0, 0, c)
                       : exr_read_scanline_chunk_info(exr, cs->part,
-                                                     cs->y0 + i * cs->tile_h, c);
+                                                     cs->y0 + i * cs->tile_h,
+                                                     c);
         const char *wrong = r ? exr_get_default_error_message(r) : NULL;
         uint64_t bytes = 0;
         if (!wrong && !deep && (!unpacked_bytes(cs, c, &bytes) ||
@@ -129,9 +139,8 @@ static gp_status find_chunks(const struct gp_log *log, const char *path,
     out->w = out->tile_w = (int) w;
     out->h = (int) h;
 
-    // the number of chunks of level 0, which come first in the table; each has
-    // 8 bytes there, so the file bounds the list
-    const uint64_t size = in->stream.size;
+    // the number of chunks of level 0, which come first in the table, which is
+    // in the file: that bounds the list
     const int all = in->index->part[part].chunks;
     uint32_t tw, th;
     int64_t n = 0;
@@ -149,11 +158,11 @@ static gp_status find_chunks(const struct gp_log *log, const char *path,
     }
     if (out->tile_w > 0 && out->tile_h > 0)
         n = ((w - 1) / out->tile_w + 1) * ((h - 1) / out->tile_h + 1);
-    if (n < 1 || n > all || (uint64_t) n > size / 8)
+    if (n < 1 || n > all)
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: truncated or damaged (%d chunks in a file of %llu "
-                       "bytes, %lld needed); copy or render the file again",
-                       path, all, (unsigned long long) size, (long long) n);
+                       "%s: truncated or damaged (%d chunks, %lld needed); "
+                       "copy or render the file again", path, all,
+                       (long long) n);
     out->chunks = (int) n;
     GP_TRY(gp_alloc_zero(log, "chunks", (size_t) n, sizeof *out->chunk,
                          &out->chunk));
@@ -197,12 +206,11 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
     const struct worker *w = pipe->decoding_user_data;
     const struct gp_exr_chunks *cs = w->chunks;
     const exr_chunk_info_t *c = &pipe->chunk;
-    const int x0 = cs->tiled ? c->start_x * cs->tile_w : 0;
-    const int y0 = cs->tiled ? c->start_y * cs->tile_h : c->start_y - cs->y0;
+    const struct gp_rect r = pixels_of(cs, c);
     const uint8_t *from = pipe->unpacked_buffer;
     if (!from)
         return EXR_ERR_CORRUPT_CHUNK;
-    for (int y = y0; y < y0 + c->height; y++) {
+    for (int y = r.y0; y < r.y1; y++) {
         for (int i = 0; i < cs->channel->num_channels; i++) {
             const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
             const struct gp_exr_sink *s = &w->sink[i];
@@ -212,7 +220,7 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
             const size_t n = (size_t) (c->width / e->x_sampling);
             const size_t width = (size_t) (cs->w / e->x_sampling);
             const size_t index = (size_t) (y / e->y_sampling) * width +
-                                 (size_t) (x0 / e->x_sampling);
+                                 (size_t) (r.x0 / e->x_sampling);
             const size_t size = half ? 2 : 4;
             const void *const row = from;
             from += n * size;
@@ -226,7 +234,7 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
                 memcpy(to, row, n * size);
             const bool number = e->pixel_type == EXR_PIXEL_UINT && s->as_float;
             for (size_t k = 0; number && k < n; k++)
-                ((float *) to)[k] = (float) ((const uint32_t *) row)[k];
+                ((float *) to)[k] = (float) gp_bits_of(((float *) to)[k]);
         }
     }
     return EXR_ERR_SUCCESS;
@@ -289,14 +297,6 @@ static gp_status decode_by_oiio(const struct gp_log *log,
     const size_t n = (size_t) cs->w * (size_t) cs->h;
     struct gp_decoded image = {0};
     gp_status st;
-    for (int i = 0; i < cs->channel->num_channels; i++) {
-        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
-        if (e->x_sampling != 1 || e->y_sampling != 1)
-            return gp_fail(log, GP_ERR_DATA,
-                           "%s: channel %s is subsampled and DWA compressed, "
-                           "which glarepp cannot decode; write the file with "
-                           "another compression", cs->path, e->name.str);
-    }
     GP_TRY(gp_oiio_open(log, cs->path, s, "openexr", cs->part, (long long) n,
                         &image));
     const size_t step = (size_t) image.channels;
@@ -310,8 +310,8 @@ static gp_status decode_by_oiio(const struct gp_log *log,
         if (from == image.channels || gp_rect_w(image.data) != cs->w ||
             gp_rect_h(image.data) != cs->h)
             GP_TRY(gp_fail(log, GP_ERR_DATA,
-                           "%s: OpenImageIO found another window, or no channel "
-                           "%s; write the file with another compression",
+                           "%s: OpenImageIO found another window, or no "
+                           "channel %s; write the file with another compression",
                            cs->path, e->name.str));
         const float *p = image.pixels + from;
         for (size_t k = 0; to && k < n; k++, p += step) {
@@ -402,15 +402,6 @@ struct deep {
     size_t room;    // bytes of each of these three
 };
 
-/* The pixels of chunk `i` in the data window. */
-static struct gp_rect pixels_of(const struct gp_exr_chunks *l, int i)
-{
-    const int across = (l->w - 1) / l->tile_w + 1;
-    const int x = i % across * l->tile_w, y = i / across * l->tile_h;
-    return (struct gp_rect) {x, y, x + gp_min(l->tile_w, l->w - x),
-                             y + gp_min(l->tile_h, l->h - y)};
-}
-
 /* Reads and expands `packed` bytes at `from` into d->bytes, `size` of them. */
 static gp_status read_bytes(struct deep *d, int chunk, uint64_t from,
                             uint64_t packed, uint64_t size)
@@ -445,7 +436,7 @@ static gp_status read_counts(struct deep *d, int chunk)
 {
     const struct gp_exr_chunks *const l = &d->out->part;
     const exr_chunk_info_t *const c = &l->chunk[chunk];
-    const struct gp_rect b = pixels_of(l, chunk);
+    const struct gp_rect b = pixels_of(l, c);
     gp_status st = read_bytes(d, chunk, c->sample_count_data_offset,
                               c->sample_count_table_size,
                               (uint64_t) gp_rect_w(b) *
@@ -470,7 +461,7 @@ static gp_status read_samples(struct deep *d, int chunk)
 {
     const struct gp_exr_chunks *const l = &d->out->part;
     const exr_chunk_info_t *const c = &l->chunk[chunk];
-    const struct gp_rect b = pixels_of(l, chunk);
+    const struct gp_rect b = pixels_of(l, c);
     const int channels = l->channel->num_channels;
     uint64_t size = 0, a_sample = 0;
     for (int i = 0; i < channels; i++)
@@ -480,7 +471,7 @@ static gp_status read_samples(struct deep *d, int chunk)
         size += (uint64_t) (first[b.x1] - first[b.x0]) * a_sample;
     }
     if (size != c->unpacked_size)
-        return damaged(d->log, l, chunk, "its counts are not those of its samples");
+        return damaged(d->log, l, chunk, "its counts are not its samples'");
     gp_status st = read_bytes(d, chunk, c->data_offset, c->packed_size, size);
     const uint8_t *from = d->bytes;
     for (int y = b.y0; y < b.y1 && !st; y++) {
@@ -509,15 +500,6 @@ gp_status gp_exr_deep_read(const struct gp_log *log, const char *path,
     gp_status st;
     *out = (struct gp_exr_deep) {0};
     GP_TRY(find_chunks(log, path, in, part, max_pixels, l));
-    bool fits = l->compression <= EXR_COMPRESSION_ZIPS;
-    for (int i = 0; i < l->channel->num_channels; i++)
-        fits &= l->channel->entries[i].x_sampling == 1 &&
-                l->channel->entries[i].y_sampling == 1;
-    if (!fits)
-        GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: deep part %d is subsampled, or has a compression "
-                       "that deep data cannot have (number %d); write it in "
-                       "full, as zips", path, part, (int) l->compression));
     gp_exr_fault_clear();
     d.inflate = libdeflate_alloc_decompressor();
     if (!d.inflate)

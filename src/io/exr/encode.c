@@ -2,13 +2,13 @@
  * layout, "Chunk Layout"): planes and carried channels as chunks of scanlines,
  * or those of another file as they are.
  *
- * ZIP straight from planes with libdeflate, in half of the time that OpenEXRCore's
- * zlib takes (3.2 has libdeflate); DWA by OpenImageIO (OpenEXRCore has it,
- * rightly, from 3.1.13 on); the others by OpenEXRCore.
+ * ZIP straight from planes with libdeflate, in half of the time that
+ * OpenEXRCore's zlib takes (3.2 has libdeflate); DWA by OpenImageIO (OpenEXRCore
+ * has it, rightly, from 3.1.13 on); the others by OpenEXRCore.
  * Not put into the file by that: 3.1.5 refuses chunks out of order (unless the
- * part's lineOrder is random) and deep chunks without samples, and carried parts
- * have both. Its write_scan_chunk() and write_tile_chunk() do so at 01e9f18f of
- * its repository too. */
+ * part's lineOrder is random) and deep chunks without samples, and carried
+ * parts have both. Its write_scan_chunk() and write_tile_chunk() do so at
+ * 01e9f18f of its repository too. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -30,20 +30,19 @@ gp_status gp_exr_out_tables(struct gp_exr_out *out, const int *chunks,
 {
     const uint32_t version = GP_EXR_VERSION | out->flags;
     const char *const path = gp_file_path(out->file);
-    gp_status st = gp_file_patch(out->file, 4, &version, sizeof version);
-    if (!st)
-        st = gp_alloc_zero(out->log, path, (size_t) parts, sizeof *out->table,
-                           &out->table);
-    out->parts = st ? 0 : parts;
-    for (int p = 0; p < parts && !st; p++) {
-        struct gp_exr_table *t = &out->table[p];
-        const size_t n = (size_t) chunks[p];
-        t->chunks = chunks[p];
-        t->at = gp_file_size(out->file);
-        st = gp_alloc_zero(out->log, path, n, sizeof *t->offset, &t->offset);
-        if (!st)
-            st = gp_file_write(out->file, t->offset, n * sizeof *t->offset);
-    }
+    gp_status st;
+    GP_TRY(gp_file_patch(out->file, 4, &version, sizeof version));
+    GP_TRY(gp_alloc_zero(out->log, path, (size_t) parts + 1,
+                         sizeof *out->first, &out->first));
+    for (int p = 0; p < parts; p++)
+        out->first[p + 1] = out->first[p] + (size_t) chunks[p];
+    out->chunks = out->first[parts];
+    GP_TRY(gp_alloc_zero(out->log, path, out->chunks, sizeof *out->offset,
+                         &out->offset));
+    out->tables = gp_file_size(out->file);
+    GP_TRY(gp_file_write(out->file, out->offset,
+                         out->chunks * sizeof *out->offset));
+out:
     return st;
 }
 
@@ -52,27 +51,21 @@ gp_status gp_exr_out_tables(struct gp_exr_out *out, const int *chunks,
 static gp_status begin_chunk(struct gp_exr_out *out, int part, int index)
 {
     const int32_t number = part;
-    out->table[part].offset[index] = gp_file_size(out->file);
+    out->offset[out->first[part] + (size_t) index] = gp_file_size(out->file);
     return gp_file_write(out->file, &number,
                          out->flags & GP_EXR_MULTIPART ? sizeof number : 0);
 }
 
 gp_status gp_exr_out_end(struct gp_exr_out *out)
 {
-    gp_status st = GP_OK;
-    for (int p = 0; p < out->parts && !st; p++) {
-        const struct gp_exr_table *t = &out->table[p];
-        st = gp_file_patch(out->file, t->at, t->offset,
-                           (size_t) t->chunks * sizeof *t->offset);
-    }
-    return st;
+    return gp_file_patch(out->file, out->tables, out->offset,
+                         out->chunks * sizeof *out->offset);
 }
 
 void gp_exr_out_free(struct gp_exr_out *out)
 {
-    for (int p = 0; p < out->parts; p++)
-        gp_free(out->table[p].offset);
-    gp_free(out->table);
+    gp_free(out->first);
+    gp_free(out->offset);
     *out = (struct gp_exr_out) {0};
 }
 
@@ -95,39 +88,37 @@ static int by_offset(const void *a, const void *b)
 gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
                           const struct gp_input *in, int from)
 {
-    enum { BLOCK_BYTES = 1 << 18 };
     gp_status st;
-    struct gp_exr_table *t = &out->table[part];
-    const int n = t->chunks;
+    uint64_t *const offset = out->offset + out->first[part];
+    const int n = (int) (out->first[part + 1] - out->first[part]);
     const size_t number = in->index->multi ? 4 : 0; // bytes of the part's
-    void *block = NULL;
+    void *chunk = NULL;
+    uint64_t room = 0;
     struct place *place = NULL;
-    GP_TRY(gp_alloc(out->log, path, BLOCK_BYTES, 1, &block));
     GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *place, &place));
     gp_exr_fault_clear();
-    if (n < 1 || !gp_exr_offsets_read(in, from, 0, n, t->offset))
+    if (n < 1 || !gp_exr_offsets_read(in, from, 0, n, offset))
         st = GP_ERR_DATA;
     for (int i = 0; !st && i < n; i++)
-        place[i] = (struct place) {t->offset[i], i};
+        place[i] = (struct place) {offset[i], i};
     if (!st)
         qsort(place, (size_t) n, sizeof *place, by_offset);
     for (int i = 0; !st && i < n; i++) {
-        uint64_t at = place[i].offset;
-        uint64_t left = gp_exr_chunk_bytes(in, from, at);
-        if (left == 0 || at + left > in->stream.size)
+        const uint64_t at = place[i].offset;
+        const uint64_t bytes = gp_exr_chunk_bytes(in, from, at);
+        const uint64_t copied = bytes - number;
+        if (bytes == 0 || at + bytes > in->stream.size) {
             st = GP_ERR_DATA;
-        else
-            st = begin_chunk(out, part, place[i].index);
-        at += number;
-        left -= number;
-        while (!st && left > 0) {
-            const size_t step = left < BLOCK_BYTES ? left : BLOCK_BYTES;
-            st = gp_exr_read_bytes(&in->stream, block, step, at) ==
-                         (int64_t) step
-                     ? gp_file_write(out->file, block, step) : GP_ERR_DATA;
-            at += step;
-            left -= step;
+            break;
         }
+        if (bytes > room) {
+            GP_TRY(gp_resize(out->log, path, bytes, &chunk));
+            room = bytes;
+        }
+        GP_TRY(begin_chunk(out, part, place[i].index));
+        st = gp_exr_read_bytes(&in->stream, chunk, copied, at + number) ==
+                     (int64_t) copied
+                 ? gp_file_write(out->file, chunk, copied) : GP_ERR_DATA;
     }
     if (st == GP_ERR_DATA && gp_exr_fault())
         st = gp_exr_fault_print(out->log, path, gp_exr_fault());
@@ -137,7 +128,7 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
             "file again, or give --hdr a file without it", path, from);
 out:
     gp_free(place);
-    gp_free(block);
+    gp_free(chunk);
     return st;
 }
 
@@ -148,9 +139,9 @@ out:
 enum { CHUNKS_A_THREAD = 16 };
 static const size_t batch_bytes = (size_t) 64 << 20;
 
-/* Of libdeflate's levels the fastest whose files are as small as those of zlib's
- * level 4, which OpenEXR writes: within 2 % on rendered nights of half and
- * float and on files of 4 to 56 channels, in 0.4 to 0.65 of its time. Level 1
+/* Of libdeflate's levels the fastest whose files are as small as those of
+ * zlib's level 4, which OpenEXR writes: within 2 % on rendered nights of half
+ * and float and on files of 4 to 56 channels, in 0.4 to 0.65 of its time. Level 1
  * takes 0.25 to 0.45, and 2 to 5 % more bytes. */
 enum { ZIP_LEVEL = 2 };
 
@@ -205,11 +196,10 @@ static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
             const size_t n = (size_t) s->columns, size = gp_type_size(s->type);
             if (y % s->ys != 0)
                 continue;
-            const size_t before = at;
+            uint8_t *const row = to ? to + at : NULL;
             at += n * size;
             if (!to)
                 continue;
-            uint8_t *const row = to + before;
             // from the row of the channel's own grid, which need not begin at
             // y0
             const int first = top + (s->ys - top % s->ys) % s->ys % s->ys;
@@ -293,7 +283,8 @@ static gp_status run_library(exr_context_t ctxt, struct slot *s, uint8_t *to)
     exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
     exr_chunk_info_t chunk;
     gp_exr_fault_clear();
-    exr_result_t r = exr_write_scanline_chunk_info(ctxt, 0, s->y0, &chunk);
+    exr_result_t r = exr_write_scanline_chunk_info(ctxt, 0,
+        s->y0 - s->img->data.y0, &chunk);
     if (!r)
         r = exr_encoding_initialize(ctxt, 0, &chunk, &pipe);
     for (int c = 0; c < pipe.channel_count; c++) {
@@ -324,14 +315,10 @@ static gp_status run_library(exr_context_t ctxt, struct slot *s, uint8_t *to)
 }
 
 /* Opens a file that goes nowhere, with the least header that the library's
- * compressors need. */
+ * compressors need: its lines count from 0. */
 static exr_result_t open_library(const struct gp_exr_image *img,
                                  exr_context_t *ctxt)
 {
-    const struct gp_rect d = img->data;
-    const exr_attr_box2i_t window = {.min = {.x = d.x0, .y = d.y0},
-                                     .max = {.x = d.x1 - 1, .y = d.y1 - 1}};
-    const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     int part;
     init.error_handler_fn = print_nothing;
@@ -346,8 +333,8 @@ static exr_result_t open_library(const struct gp_exr_image *img,
     if (!r)
         r = exr_add_part(*ctxt, "part", EXR_STORAGE_SCANLINE, &part);
     if (!r)
-        r = exr_initialize_required_attr(*ctxt, part, &window, &window, 1.0f,
-            &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
+        r = exr_initialize_required_attr_simple(*ctxt, part,
+            gp_rect_w(img->data), gp_rect_h(img->data),
             (exr_compression_t) img->compression);
     for (int i = 0; !r && i < img->sources; i++) {
         const struct gp_exr_source *s = &img->source[i];
@@ -382,7 +369,8 @@ static gp_status encode_chunk(void *ctx, int i, int thread)
     const struct gp_rect r = b->img->data;
     const int y0 = r.y0 + (b->first + i) * b->rows;
     *s = (struct slot) {
-        .img = b->img, .y0 = y0, .y1 = b->rows < r.y1 - y0 ? y0 + b->rows : r.y1,
+        .img = b->img, .y0 = y0,
+        .y1 = b->rows < r.y1 - y0 ? y0 + b->rows : r.y1,
     };
     if (b->library)
         return run_library(b->library, s, to);
@@ -500,7 +488,7 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
     const struct gp_log *const log = out->log;
     const char *const path = gp_file_path(out->file);
     const size_t n = (size_t) img->sources;
-    const int units = (int) img->quality; // by halves: no locale's decimal comma
+    const int units = (int) img->quality; // by halves: no locale's comma
     gp_status st;
     const char **names = NULL;
     int *types = NULL;

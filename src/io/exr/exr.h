@@ -55,7 +55,7 @@ static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
  * `part` of the result is 0; the reader sets it.
  * Errors: GP_ERR_DATA the header is damaged, or the file is truncated before
  * its last chunk ends, of any part or level; GP_ERR_IO a read
- * failed; GP_ERR_BUG out of memory. */
+ * failed */
 GP_MUST_CHECK gp_status gp_exr_open(const struct gp_log *log, const char *path,
     struct gp_stream *stream, struct gp_input **out);
 
@@ -99,9 +99,9 @@ int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
 const char *gp_exr_view_of(const struct gp_input *in, int part,
                            const char *name);
 
-/* Names of all channels of a part in the file's order, as they are called within
- * a view, "" for those of others; with `view` NULL their own. Lives no longer
- * than `in`; free with gp_free(). Errors: GP_ERR_BUG out of memory. */
+/* Names of all channels of a part in the file's order, as they are called in a
+ * view, "" for those of others; with `view` NULL their own. Lives no longer
+ * than `in`; free with gp_free(). */
 GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
     const struct gp_input *in, int part, const char *view, const char ***out);
 
@@ -151,13 +151,13 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
  * DWAA and DWAB by OpenImageIO. `sink` has one entry a channel, in file order.
  * The samples are whole only on GP_OK.
  * Errors: GP_ERR_DATA a chunk is damaged (the first one is named);
- * GP_ERR_IO no OpenImageIO; GP_ERR_BUG out of memory. */
+ * GP_ERR_IO no OpenImageIO */
 GP_MUST_CHECK gp_status gp_exr_decode(const struct gp_log *log,
     const struct gp_exr_chunks *chunks, const struct gp_exr_sink *sink);
 
-/* The same at full resolution: w * h samples for each channel of the file, in its
- * order; NULL: not wanted. Samples are floats; those of UINT are uint32_t with
- * `numbers`, but for subsampled ones, which are repeated. */
+/* The same at full resolution: w * h samples for each channel of the file, in
+ * its order; NULL: not wanted. Samples are floats; those of UINT are uint32_t
+ * with `numbers`, but for subsampled ones, which are repeated. */
 GP_MUST_CHECK gp_status gp_exr_decode_full(const struct gp_log *log,
     const struct gp_exr_chunks *chunks, bool numbers, float *const *to);
 
@@ -173,7 +173,7 @@ struct gp_exr_deep {
  *   max_pixels  most pixels, and most samples of a channel
  *   out         written always; free with gp_exr_deep_free()
  * Errors: GP_ERR_DATA over max_pixels, truncated or damaged; GP_ERR_IO cannot
- * read; GP_ERR_BUG out of memory. */
+ * read */
 GP_MUST_CHECK gp_status gp_exr_deep_read(const struct gp_log *log,
     const char *path, const struct gp_input *in, int part, long long max_pixels,
     struct gp_exr_deep *out);

@@ -8,6 +8,9 @@
 
 #include <stdint.h>
 
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+               "EXR is little-endian: big-endian machines need byte swaps");
+
 /* -- why the library failed (open.c) ----------------------------------------
  *
  * The library reports full memory and read errors as a damaged file, and after
@@ -24,8 +27,8 @@ int64_t gp_exr_read_bytes(const struct gp_stream *s, void *to, uint64_t n,
 /* Clears this thread's failures; call it before the library. */
 void gp_exr_fault_clear(void);
 
-/* Returns this thread's failure since: GP_OK none, GP_ERR_BUG memory was full,
- * GP_ERR_IO a read failed. Safe in parallel bodies. */
+/* Returns this thread's failure since: GP_OK, GP_ERR_BUG memory was full,
+ * GP_ERR_IO a read failed. */
 gp_status gp_exr_fault(void);
 
 /* True when a read on this thread since got fewer bytes than it asked for.
@@ -121,11 +124,10 @@ struct gp_exr_choice {
 /* Chooses by p->layer, p->part and p->view, as read.h says.
  *
  *   first  the part that is searched first
- *   out    written only on GP_OK; may be a deep part, without a colour, which
- *          gp_exr_chunks_find() refuses
+ *   out    may be a deep part, without a colour, which gp_exr_chunks_find()
+ *          refuses
  *
- * Errors: GP_ERR_DATA no colour channel; GP_ERR_USAGE as in gp_read_frame(),
- * and the line lists what the file has; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_DATA no colour channel; GP_ERR_USAGE as in gp_read_frame(). */
 GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const struct gp_input *in,
     int first, struct gp_exr_choice *out);
@@ -158,8 +160,7 @@ struct gp_yc {
  *   chromaticities  rx ry gx gy bx by wx wy */
 void gp_yc_weights(const float chromaticities[8], float weight[3]);
 
-/* Fills out->c[0..2], w * h each; they may not overlap the inputs.
- * Errors: GP_ERR_BUG out of memory. */
+/* Fills out->c[0..2], w * h each; they may not overlap the inputs. */
 GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
     const struct gp_yc *in, struct gp_planes *out);
 
@@ -172,7 +173,7 @@ struct libdeflate_compressor;
 struct libdeflate_decompressor;
 
 /* Compresses the `n` bytes of a chunk; `n` is even, scratch and out have that
- * room. Returns the compressed size; n when it does not shrink: `out` is `raw`. */
+ * room. Returns the compressed size, n where it does not shrink. */
 size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
                   size_t n, uint8_t *scratch, uint8_t *out);
 
@@ -210,21 +211,17 @@ int gp_exr_chunk_count(const struct gp_exr_image *img);
 
 /* -- a file on its way out --------------------------------------------------
  *
- * Begin(), attributes by put...() (header.c); tables(), the chunks of all parts,
+ * Begin(), attributes by put...() (header.c); tables(), chunks of all parts,
  * end() (encode.c). */
-
-struct gp_exr_table {
-    uint64_t at;      // its first byte in the file
-    uint64_t *offset; // of each chunk
-    int chunks;
-};
 
 struct gp_exr_out {
     const struct gp_log *log;
     struct gp_file *file; // borrowed
     uint32_t flags;       // of the version field
-    struct gp_exr_table *table;
-    int parts;
+    uint64_t tables;      // their first byte in the file
+    uint64_t *offset;     // of the chunks of all parts, `chunks` of them
+    size_t *first;        // the first of each part among these, and `chunks`
+    size_t chunks;
 };
 
 /* The attributes of the input that a part gets. */
@@ -264,8 +261,7 @@ GP_MUST_CHECK gp_status gp_exr_out_tables(struct gp_exr_out *out,
 /* Compresses all chunks, in parallel, and appends them to part `part` in
  * order. The bytes do not depend on the number of threads. Values that did not
  * fit are added to *clamped.
- * Errors: GP_ERR_USAGE a compression that cannot hold these channels;
- * GP_ERR_IO; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_USAGE it cannot hold these channels; GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
     const struct gp_exr_image *img, long long *clamped);
 

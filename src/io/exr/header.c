@@ -5,9 +5,6 @@
 
 #include <string.h>
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-               "EXR is little-endian and is written from memory as it is");
-
 /* -- a header's bytes ----------------------------------------------------- */
 
 enum { SHORT_NAME = 31 }; // longest name without GP_EXR_LONG_NAMES
@@ -133,19 +130,17 @@ static void put_carried(struct gp_exr_out *h,
 static void put_foreign(struct gp_exr_out *h, const struct gp_frame *f,
                         enum gp_exr_kept kept)
 {
-    static const char *const exact[] = {
-        "compression", "Compression", "CompressionQuality", "Orientation",
-        "ResolutionUnit", "XResolution", "YResolution", "planarconfig",
-        "PixelAspectRatio", "ICCProfile", "chromaticities", "gamma", NULL,
-    };
     static const char *const start[] = {
-        "oiio:", "tiff:", "jpeg:", "png:", "dpx:", "bmp:", "pnm:", "hdr:",
-        "targa:", "gif:", "webp:", "sgi:", "openexr:", "ICCProfile:", NULL,
+        "compression", "Compression", "Orientation", "ResolutionUnit",
+        "XResolution", "YResolution", "planarconfig", "PixelAspectRatio",
+        "ICCProfile", "chromaticities", "gamma", "oiio:", "tiff:", "jpeg:",
+        "png:", "dpx:", "bmp:", "pnm:", "hdr:", "targa:", "gif:", "webp:",
+        "sgi:", "openexr:", NULL,
     };
     for (int i = 0; i < f->attributes; i++) {
         const struct gp_attribute *a = &f->attribute[i];
         const size_t n = strlen(a->name);
-        bool stored = is_listed(a->name, exact);
+        bool stored = false;
         for (int k = 0; !stored && start[k]; k++)
             stored = strncmp(a->name, start[k], strlen(start[k])) == 0;
         if (n == 0 || n > 255 || stored || !is_kept(a->name, kept))

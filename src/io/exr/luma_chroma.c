@@ -65,11 +65,8 @@ static void chroma_row(void *ctx, int i, int thread)
         const float *from = (c ? in->by : in->ry) + row * (size_t) n;
         float *to = r->chroma[c] + row * w;
         // outside the row its first and its last sample are repeated
-        for (int k = 0; k < TAPS / 2; k++) {
-            some[-1 - k] = from[0];
-            some[n + k] = from[n - 1];
-        }
-        memcpy(some, from, (size_t) n * sizeof *some);
+        for (int k = -TAPS / 2; k < n + TAPS / 2; k++)
+            some[k] = from[gp_clamp(k, 0, n - 1)];
         fill_columns(some, n, to);
         keep_half(in, to);
     }
@@ -121,8 +118,7 @@ GP_CLONES static void row_to_rgb(const float weight[3], const float *luma,
     }
 }
 
-// gp_maxf(b, a) and gp_minf(b, a) are std::max(a, b) and std::min(a, b): `a` where
-// one is NaN
+// gp_maxf(b, a) is std::max(a, b): `a` where one is NaN; and so is the minimum
 GP_CLONES static void find_saturation(const float *r, const float *g,
                                       const float *b, int w, float *out)
 {

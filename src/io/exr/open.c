@@ -55,8 +55,8 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
 {
     if (fault == GP_ERR_BUG)
         return gp_no_memory(log, path);
-    return gp_fail(log, fault, "%s: cannot read (%s); check the disk", path,
-                   strerror(unread ? unread : EIO));
+    errno = unread ? unread : EIO;
+    return gp_stream_failed(log, path);
 }
 
 /* -- the header's bytes ------------------------------------------------------
@@ -67,7 +67,7 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
  *
  * It sorts channels and attributes by a walk from one end (3.1.5 to 3.4): lists
  * of n take it n^2 / 2 comparisons of names. So the squares of the lengths of
- * all channel lists together are bounded, those of attributes, and the parts. */
+ * all channel lists together are bounded, those of attributes, and parts. */
 
 /* Puts ? in the place of what a line cannot show, and returns `text`. */
 static char *plain(char *text)
@@ -451,7 +451,8 @@ static uint64_t find_end(const struct gp_input *in)
     enum { BLOCK = 512 };
     const struct gp_exr_index_part *const end = &in->index->part[in->parts - 1];
     uint64_t offset[BLOCK], last = 0;
-    const uint64_t tables = end->table + (uint64_t) end->chunks * sizeof *offset;
+    const uint64_t tables =
+        end->table + (uint64_t) end->chunks * sizeof *offset;
     int last_part = 0;
     if (tables > in->stream.size)
         return tables;

@@ -23,7 +23,7 @@ void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
 {
     const exr_context_t exr = cs->input->exr;
     exr_attr_box2i_t b;
-    exr_attr_chromaticities_t c;
+    exr_attr_chromaticities_t c; // in our order
     f->data = (struct gp_rect) {cs->x0, cs->y0, cs->x0 + cs->w,
                                 cs->y0 + cs->h};
     f->display = f->data;
@@ -35,9 +35,7 @@ void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
     memcpy(f->chromaticities, gp_rec709_chromaticities,
            sizeof f->chromaticities);
     if (!exr_attr_get_chromaticities(exr, cs->part, "chromaticities", &c)) {
-        const float given[8] = {c.red_x,  c.red_y,  c.green_x, c.green_y,
-                                c.blue_x, c.blue_y, c.white_x, c.white_y};
-        memcpy(f->chromaticities, given, sizeof given);
+        memcpy(f->chromaticities, &c, sizeof f->chromaticities);
         f->names_chromaticities = true;
     }
     gp_luminance_weights(f->chromaticities, f->luminance);
@@ -251,17 +249,16 @@ static bool holds_choice(const struct gp_frame *f,
                          const struct gp_exr_choice *choice)
 {
     const exr_attr_chlist_t *list;
-    if (choice->part != f->part || choice->colour.model == GP_COLOUR_YC ||
-        exr_get_channels(gp_input_of(f)->exr, f->part, &list) ||
-        list->num_channels != f->channels)
-        return false;
-    for (int k = 0; k < 3; k++) {
+    bool all = choice->part == f->part &&
+               choice->colour.model != GP_COLOUR_YC &&
+               !exr_get_channels(gp_input_of(f)->exr, f->part, &list) &&
+               list->num_channels == f->channels;
+    for (int k = 0; all && k < 3; k++) {
         const int i = choice->colour.index[k];
-        const struct gp_channel *c = i < 0 ? NULL : &f->channel[i];
-        if (c && (!c->data || c->xs != 1 || c->ys != 1))
-            return false;
+        all = i < 0 || (f->channel[i].data && f->channel[i].xs == 1 &&
+                        f->channel[i].ys == 1);
     }
-    return true;
+    return all;
 }
 
 /* A frame like f, with the colour that f's channels hold. */

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* -- the channels of a part ------------------------------------------------- */
+/* -- the channels of a part ----------------------------------------------- */
 
 /* Colours over the largest value that the file can hold: of a half, or of DWA,
  * which holds nothing over DWA_MAX. With GP_OUT_AUTO a frame of halfs is
@@ -217,9 +217,6 @@ static gp_status add_carried(const struct group *g, struct part *out)
                    "each layer once", g->complete->path, c->name, owners);
         if (owners == 1)
             continue;
-        if (!c->data)
-            return gp_fail(g->log, GP_ERR_BUG, "%s: channel %s has no samples",
-                   g->complete->path, c->name);
         out->img.source[out->img.sources++] = (struct gp_exr_source) {
             .name = c->name, .type = c->type, .xs = c->xs, .ys = c->ys,
             .linear = c->linear, .columns = c->w, .data = c->data,
@@ -248,7 +245,7 @@ static gp_status add_frame(const struct group *g,
         return st;
     float *const *const plane = planes.c;
     const size_t n = gp_frame_pixels(f), bytes = n * sizeof(float);
-    const struct gp_channel *like = NULL; // a colour channel of the input
+    const struct gp_channel *like = f->channel; // a colour of the input
     bool there[3] = {false, false, false};
     // grey stays grey where the planes are the same, bit by bit
     const bool own_names = f->model == GP_COLOUR_RGB ||
@@ -265,9 +262,6 @@ static gp_status add_frame(const struct group *g,
         add_plane(out, type, c->name, f, plane[c->colour], c->linear);
         there[c->colour] = true;
     }
-    if (!like)
-        return gp_fail(g->log, GP_ERR_BUG, "%s: no colour channel", f->path);
-
     // colours under names that the part does not have. Names beside a grey
     // channel that is called after what it shows, and has no layer, may need
     // one: its own name. Y is luminance and no layer's name.
@@ -313,8 +307,7 @@ static gp_status add_frame(const struct group *g,
  *   p    --type is that of the colours
  *
  * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
- * colour of two frames;
- * GP_ERR_BUG no frame is whole. */
+ * colour of two frames. */
 static gp_status hdr_sources(const struct gp_log *log,
     const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
     struct part *out)
@@ -548,28 +541,6 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
 
 /* -- --hdr: the frame as it came in, with glare --------------------------- */
 
-/* The frames of set[0]'s part into `group`; 0 when their windows differ, or no
- * frame has all channels that the part has. */
-static int group_frames(const struct gp_input *in,
-    const struct gp_hdr_colour *set, int n, struct gp_hdr_colour *group)
-{
-    const struct gp_frame *const f = set->f;
-    const exr_attr_chlist_t *list = NULL;
-    int found = 0;
-    if (in && exr_get_channels(in->exr, f->part, &list))
-        return 0;
-    bool complete = !in;
-    for (int k = 0; k < n; k++) {
-        if (set[k].f->part != f->part)
-            continue;
-        if (memcmp(&set[k].f->data, &f->data, sizeof f->data) != 0)
-            return 0;
-        complete = complete || set[k].f->channels == list->num_channels;
-        group[found++] = set[k];
-    }
-    return complete ? found : 0;
-}
-
 gp_status gp_exr_write_hdr(const struct gp_log *log,
     const struct gp_write_params *p, const char *path,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
@@ -595,10 +566,11 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
         struct part *const to = &w.part[in ? number : 0];
         if (to->f)
             continue;
-        const int found = group_frames(in, set + i, n - i, group);
-        if (found == 0)
-            GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: no frame is the whole part %d",
-                   w.from, number));
+        int found = 0; // frames of that part
+        for (int k = i; k < n; k++) {
+            if (set[k].f->part == number)
+                group[found++] = set[k];
+        }
         to->f = set[i].f;
         to->fit = &w.fit;
         GP_TRY(hdr_sources(log, p, group, found, to));
@@ -659,7 +631,8 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
         bool whole = colour.model == GP_COLOUR_RGB, all = true;
         for (int c = 0; c < 3 && all && whole; c++) {
             all = index[c] >= 0;
-            const struct gp_channel *const own = &f->channel[all ? index[c] : i];
+            const struct gp_channel *const own =
+                &f->channel[all ? index[c] : i];
             whole = own->type != GP_UINT && own->xs == 1 && own->ys == 1;
         }
         if (!all)
@@ -687,9 +660,9 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
         gp_say(log, GP_LEVEL_INFO, "%s: converts the layers of %s too", f->path,
                converted);
     if (left[0])
-        gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or luminance "
-               "and chroma are not converted (%s); write them to a file of "
-               "their own", f->path, left);
+        gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or "
+               "luminance and chroma are not converted (%s); write them to a "
+               "file of their own", f->path, left);
 out:
     gp_free(name);
     gp_planes_free(&from);

@@ -7,10 +7,6 @@
 #include <libdeflate.h>
 #include <string.h>
 
-// little-endian samples are read as they are; EXR has no other order
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-               "big-endian machines need byte swaps in io");
-
 /* -- out ------------------------------------------------------------------ */
 
 /* Splits `n` bytes (even) into those at even and at odd places, and turns
@@ -67,8 +63,8 @@ static bool expand_runs(const uint8_t *in, size_t in_size, uint8_t *out,
     return out == out_end;
 }
 
-/* Sums the differences of both halves, which go on from the first to the second,
- * and puts their bytes in turns to `out`. */
+/* Sums the differences of both halves, which go on from the first to the
+ * second, and puts their bytes in turns to `out`. */
 static void undo_filter(const uint8_t *restrict in, uint8_t *restrict out,
                         size_t n)
 {

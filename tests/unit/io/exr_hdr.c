@@ -141,7 +141,7 @@ static void put_chunk(struct gp_exr_out *out, int part, int index,
     const uint64_t sizes[3] = {8, (uint64_t) bytes, 4u * (uint64_t) bytes};
     for (int i = 0; i < 256; i++)
         noise[i] = (uint8_t) wf_hash((uint32_t) i, (uint32_t) index, 99);
-    out->table[part].offset[index] = gp_file_size(out->file);
+    out->offset[out->first[part] + (size_t) index] = gp_file_size(out->file);
     assert_ok(gp_file_write(out->file, &number, 4));
     assert_ok(gp_file_write(out->file, leader, n * 4));
     assert_ok(gp_file_write(out->file, deep ? (const void *) sizes : &flat,
@@ -214,7 +214,7 @@ static void make_parts(const char *path, const struct gp_frame *f,
     for (int32_t y = 0; y < ROWS; y++)
         put_chunk(&out, 3, y, &y, 1, false, 3);
     if (damage) {
-        uint64_t *const offset = &out.table[damage->part].offset[2];
+        uint64_t *const offset = &out.offset[out.first[damage->part] + 2];
         if (damage->back)
             *offset = gp_file_size(file) - damage->back;
         assert_ok(gp_file_patch(file, *offset + damage->at, damage->bytes,
