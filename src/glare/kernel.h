@@ -92,7 +92,7 @@ struct gp_kernel {
  * each channel's sum keeps the file's ratios and the luminance sum is 1,
  * unless GP_NORMALIZE_NONE. For another scale, or pixels that are not square,
  * it is resampled by areas after it was turned: it is round on the screen, and
- * each channel's sum stays.
+ * each channel's sum and centroid (within 1e-3 pixel) stay.
  * First of all, an image that names its primaries is converted to those of
  * p->chromaticities by gp_spectrum_to_spectrum(). A sample of no negative channel
  * that gets one is folded in by gp_gamut_fold().

@@ -365,7 +365,7 @@ static void find_centroid(const struct gp_kernel *k, int c, double at[2])
 }
 
 /* The kernel of f in another size has the sums of the one in its own, and its
- * centroids in the same pixels of the screen. */
+ * centroids at the same places of the screen. */
 static void check_size(const struct gp_image *f, double scale, double aspect)
 {
     const struct gp_kernel_params p = {
@@ -378,8 +378,8 @@ static void check_size(const struct gp_image *f, double scale, double aspect)
         find_centroid(&flat, c, from);
         find_centroid(&k, c, to);
         if (!(fabs(k.sum[c] / flat.sum[c] - 1.0) < 1e-5) ||
-            !(fabs(to[0] - scale / aspect * from[0]) < 0.5001) ||
-            !(fabs(to[1] - scale * from[1]) < 0.5001))
+            !(fabs(to[0] - scale / aspect * from[0]) < 1e-3) ||
+            !(fabs(to[1] - scale * from[1]) < 1e-3))
             fail_msg("%dx%d by %g, aspect %g: sum %g of %g, centroid %g,%g of "
                      "%g,%g", gp_image_w(f), gp_image_h(f), scale, aspect,
                      k.sum[c], flat.sum[c], to[0], to[1],
