@@ -10,11 +10,42 @@
 
 // -- gaussian -----------------------------------------------------------------
 
-/* exp(-t^2 / (2 sigma^2)) / (2 pi sigma^2) in the plane. */
-static void gaussian_profile(const void *ctx, double t, double out[3])
+/* exp(-t^2 / (2 sigma^2)) / (2 pi sigma^2) in the plane: a product of one curve
+ * a direction, whose integral over a pixel is a difference of error
+ * functions. */
+struct gaussian {
+    double sigma_x, sigma_y; // pixels
+};
+
+/* The second integral of the normal density of width 1, from the right. */
+static double second_integral(double z)
 {
-    const double sigma = *(const double *) ctx, z = t / sigma;
-    out[0] = exp(-0.5 * z * z) / (2.0 * M_PI * sigma * sigma);
+    return exp(-0.5 * z * z) / sqrt(2.0 * M_PI) - 0.5 * z * erfc(sqrt(0.5) * z);
+}
+
+/* The share of pixel x, x >= 0, of light that is even over pixel 0. */
+static double normal_share(double x, double sigma)
+{
+    const struct gp_gauss *const g = gp_tent_rule(6);
+    double sum = 0.0;
+    if (sigma < 30.0)
+        return fmax(sigma * (second_integral((x + 1.0) / sigma) -
+                             2.0 * second_integral(x / sigma) +
+                             second_integral((x - 1.0) / sigma)), 0.0);
+    for (int i = 0; i < g->n; i++) { // differences would lose their digits
+        const double z = (x + g->node[i]) / sigma;
+        sum += g->weight[i] * exp(-0.5 * z * z);
+    }
+    return sum / (sqrt(2.0 * M_PI) * sigma);
+}
+
+static void gaussian_row(const void *state, int x, int y, int n,
+                         double *const out[3])
+{
+    const struct gaussian *const g = state;
+    const double row = normal_share(abs(y), g->sigma_y);
+    for (int i = 0; i < n; i++)
+        out[0][i] = row * normal_share(abs(x + i), g->sigma_x);
 }
 
 static const struct gp_model_key gaussian_keys[] = {
@@ -28,16 +59,19 @@ static gp_status open_gaussian(const struct gp_log *log,
 {
     const double sigma =
         gp_recipe_value(r, "fwhm") / (2.0 * sqrt(2.0 * log1p(1.0)));
-    const double pixel = f->degrees * fmin(f->aspect, 1.0);
-    const double end = 14.0 * sigma; // farther a sample is under FLT_MIN
-    const double bends = sigma < 30.0 * pixel ? end : 0.0;
-    gp_status st = gp_radial_shape(log, gaussian_profile, &sigma, 1, bends, f,
-                                   out);
+    struct gaussian *g;
+    gp_status st = gp_alloc(log, "kernel", 1, sizeof *g, &g);
     if (st)
         return st;
-    const double reach = ceil(end / pixel) + 1.0;
-    out->smooth = INFINITY;
-    out->reach = reach < 1e6 ? (int) reach : INT_MAX;
+    g->sigma_x = sigma / (f->degrees * f->aspect);
+    g->sigma_y = sigma / f->degrees;
+    // beyond 14 sigma a sample is under FLT_MIN
+    const double reach = ceil(14.0 * fmax(g->sigma_x, g->sigma_y)) + 1.0;
+    *out = (struct gp_shape) {
+        .state = g, .free = gp_free, .row = gaussian_row, .grey = true,
+        .even = true, .smooth = INFINITY,
+        .reach = reach < 1e6 ? (int) reach : INT_MAX,
+    };
     return GP_OK;
 }
 

@@ -127,7 +127,7 @@ static void resolution_does_not_matter(void **state)
     } rows[] = {
         {"spencer", 4e-6}, {"spencer:light=scotopic", 4e-6},
         {"cie:age=70", 1e-4}, {"cie:equation=general", 2e-3},
-        {"moffat:share=1", 1e-6}, {"gaussian:share=1,fwhm=2", 1e-6},
+        {"moffat:share=1", 1e-6}, {"gaussian:share=1", 1e-6},
         {"halation:share=1", 1e-4},
         {"gaussian:share=1,fwhm=0.05", 2.1e-4},
         {"circle:share=1,soft=0.08", 2e-3},
