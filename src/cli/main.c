@@ -1,17 +1,9 @@
-#include "cli/output_guard.h"
 #include "cli/commands.h"
 #include "cli/machine.h"
 #include "cli/listener.h"
-#include "cli/jobs.h"
-#include "cli/options.h"
-#include "cli/progress.h"
-#include "bench/bench.h"
 #include "core/json.h"
-#include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
-#include "io/read.h"
-#include "io/write.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,7 +1,6 @@
 #include "cli/commands.h"
 
 #include "cli/machine.h"
-#include "cli/report.h"
 #include "cli/stages.h"
 #include "core/clock.h"
 #include "core/memory.h"
@@ -11,7 +10,6 @@
 #include <limits.h>
 #include <pthread.h>
 #include <signal.h>
-#include <string.h>
 
 struct schedule {
     bool on[GP_STAGES];       // the stage runs

@@ -1,7 +1,6 @@
 #include "cli/report.h"
 
 #include "cli/machine.h"
-#include "cli/options.h"
 #include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"

@@ -1,6 +1,5 @@
 #include "cli/report.h"
 
-#include "cli/options.h"
 #include "cli/progress.h"
 #include "io/file.h"
 

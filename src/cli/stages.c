@@ -1,10 +1,8 @@
 #include "cli/stages.h"
 
-#include "cli/options.h"
 #include "cli/listener.h"
 #include "core/memory.h"
 #include "io/grow.h"
-#include "io/sequence.h"
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,11 +1,9 @@
 #include "cli/commands.h"
 
-#include "cli/options.h"
 #include "cli/stages.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "io/file.h"
-#include "io/write.h"
 
 #include <math.h>
 #include <stdint.h>
