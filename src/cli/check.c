@@ -289,15 +289,13 @@ static gp_status check_styles(const struct gp_log *log,
                               const struct gp_settings *s)
 {
     const bool makes = s->output.pictures.n || s->run.report;
-    if (s->input.files.n && !makes)
-        return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp "
-                       "styles -o sheet.png %s", s->input.files.at[0]);
-    if (s->input.files.n && gp_is_dash(s->input.files.at[0]))
+    if ((s->input.files.n > 0) != makes)
+        return gp_fail(log, GP_ERR_USAGE, "styles: %s; write glarepp styles -o "
+                       "sheet.png frame.exr", makes ? "no frame"
+                                                    : "nothing to make");
+    if (makes && gp_is_dash(s->input.files.at[0]))
         return gp_fail(log, GP_ERR_USAGE, "-: styles reads the frame once for "
                        "each style; give a file");
-    if (!s->input.files.n && makes)
-        return gp_fail(log, GP_ERR_USAGE, "styles: no frame; write glarepp "
-                       "styles -o sheet.png frame.exr");
     return GP_OK;
 }
 

@@ -58,7 +58,7 @@ struct pipeline {
     int limit;                       // units from here on get no further phase
     gp_status result;                // of the unit that ended the run
     size_t largest;                  // bytes of the largest unit so far
-    int frames, dark;                // written; of these without sources
+    int dark;                        // frames written without sources
     struct gp_frame_report brightest; // of the dark frames
     struct gp_tally tally;           // of those written
 };
@@ -256,7 +256,6 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
                 p->brightest = *facts;
             p->dark += facts->dark;
             gp_tally_add(&p->tally, facts);
-            p->frames++;
         }
         if (st)
             p->jobs->job[first + v].failed = true;
@@ -483,8 +482,8 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         gp_progress_say(progress, stderr, line);
     }
     // (a sequence may fade in: dark frames beside others are in the report)
-    if (p.frames && p.dark == p.frames) {
-        gp_frame_report_dark(&p.brightest, p.frames, line, sizeof line);
+    if (p.dark && p.dark == p.tally.made) {
+        gp_frame_report_dark(&p.brightest, p.dark, line, sizeof line);
         gp_say(log, GP_LEVEL_WARN, "%s", line);
     }
     GP_TRY(gp_failures_report(log, jobs, atomic_load(&p.kept)));

@@ -251,15 +251,11 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
         GP_TRY(make_tile(log, gp, s, word, &t));
     }
     st = write_sheet(log, s, &sheet);
-    if (!st && s->run.level == GP_LEVEL_WARN && isatty(STDERR_FILENO)) {
-        char line[GP_LINE_BYTES];
-        snprintf(line, sizeof line,
-                 "%s: %d pictures of %s, the first without "
-                 "glare",
-                 s->output.pictures.at[0], sheet.tiles, s->input.files.at[0]);
-        gp_make_printable(line);
-        fprintf(stderr, "%s\n", line);
-    }
+    if (!st && s->output.pictures.n && s->run.level == GP_LEVEL_WARN &&
+        isatty(STDERR_FILENO))
+        fprintf(stderr, "%s: %d pictures of %s, the first without glare\n",
+                gp_printable(s->output.pictures.at[0]).text, sheet.tiles,
+                gp_printable(s->input.files.at[0]).text);
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &t.report);
     gp_planes_free(&sheet.planes);
