@@ -199,8 +199,8 @@ static void say_kernel(FILE *w, const struct gp_frame_report *f)
             fprintf(w, ", pupil of %.1f mm", k->pupil[i]);
     }
     if (k->deg_per_pixel > 0.0)
-        fprintf(w, ", view of %.3g degrees (%s)", k->fov,
-                origin(k->fov_from));
+        fprintf(w, ", view of %.3g degrees (%s%s)", k->fov, origin(k->fov_from),
+                strcmp(k->fov_from, "default") ? "" : "; --fov sets it");
     if (g->engine)
         fprintf(w, ", engine %s (%s)", g->engine,
                 strcmp(s->light.layer.engine, "auto") == 0 ? "chosen by auto"
