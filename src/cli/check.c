@@ -299,21 +299,16 @@ static gp_status check_styles(const struct gp_log *log,
     return GP_OK;
 }
 
-static bool is_power_of_two(int n)
-{
-    return n > 0 && (n & (n - 1)) == 0;
-}
-
 static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
 {
     struct glarepp_layer_params *const splat = &s->light.layer;
-    if (!is_power_of_two(splat->group))
+    if (splat->group & (splat->group - 1))
         return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
                        "%d); give 1, 2, 4, 8, 16, 32 or 64", splat->group);
     // the default of --cluster must not refuse a larger --group
     if (!gp_option_given(s, "cluster") && splat->cluster <= splat->group)
         splat->cluster = 0;
-    if (splat->cluster != 0 && !is_power_of_two(splat->cluster))
+    if (splat->cluster & (splat->cluster - 1))
         return gp_fail(log, GP_ERR_USAGE, "--cluster: not a power of two "
             "(found %d); give 0, 2, 4, 8, 16, 32 or 64", splat->cluster);
     if (splat->cluster != 0 && splat->cluster <= splat->group)

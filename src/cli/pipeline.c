@@ -11,11 +11,6 @@
 #include <pthread.h>
 #include <signal.h>
 
-struct schedule {
-    bool on[GP_STAGES];       // the stage runs
-    unsigned dead[GP_STAGES]; // data that no later stage needs
-};
-
 enum state {
     FREE,
     BUSY,      // a phase runs
@@ -44,7 +39,8 @@ struct pipeline {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
     struct gp_progress *progress;
-    struct schedule schedule;
+    bool on[GP_STAGES];              // the stage runs
+    unsigned dead[GP_STAGES];        // data that no later stage needs
     struct gp_run run;
     int units, slots;
     size_t memory;                   // limit of the process; 0: unknown
@@ -75,8 +71,9 @@ static unsigned unasked(const struct gp_settings *s)
 }
 
 /* Chooses the stages that the wanted files need, from the last to the first. */
-static void make_schedule(const struct gp_run *r, struct schedule *p)
+static void make_schedule(struct pipeline *p)
 {
+    const struct gp_run *const r = &p->run;
     unsigned written = 0;
     for (int i = 0; i < r->jobs->targets; i++)
         written |= gp_target_needs(r->s, r->jobs->target[i].kind);
@@ -91,6 +88,8 @@ static void make_schedule(const struct gp_run *r, struct schedule *p)
                           (!r->s->run.report || wanted & GP_HAS_LIT);
         p->on[i] = stage->gives & wanted & ~unasked(r->s);
         p->dead[i] = ~wanted;
+        if (stage->gives == GP_HAS_LIT)
+            p->run.layer_ends = p->dead[i] & GP_HAS_LAYER;
         if (p->on[i] && !idle)
             wanted |= stage->needs |
                       (stage->gives == GP_HAS_FILES ? written : 0u);
@@ -165,7 +164,7 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
     fs->facts.cost.has_cpu = p->slots == 1; // CPU time is the process's
     for (int i = 0; i < GP_STAGES && !st; i++) {
         const struct gp_stage *const stage = &gp_stages[i];
-        if (!p->schedule.on[i] || stage->phase != phase)
+        if (!p->on[i] || stage->phase != phase)
             continue;
         // skipped frames count neither as done nor in the total
         const int kept = atomic_load(&p->kept);
@@ -174,7 +173,7 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
                            p->jobs->n - kept, fs->job->input, stage->name);
         st = run_stage(p, stage, fs);
         if (!st)
-            gp_frame_state_release(fs, p->schedule.dead[i]);
+            gp_frame_state_release(fs, p->dead[i]);
     }
     if (st && fs->frame) // the next frame needs what the plan lent
         (void) glarepp_frame_run(fs->frame, GLAREPP_DONE);
@@ -459,11 +458,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         .memory = gp_memory_limit(""), .limit = INT_MAX,
         .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
     };
-    make_schedule(&p.run, &p.schedule);
-    for (int i = 0; i < GP_STAGES; i++) {
-        if (gp_stages[i].gives == GP_HAS_LIT)
-            p.run.layer_ends = p.schedule.dead[i] & GP_HAS_LAYER;
-    }
+    make_schedule(&p);
     GP_TRY(begin_run(log, gp, &p.run));
     GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) p.slots,
                          sizeof *p.unit, &p.unit));
