@@ -86,16 +86,13 @@ static void add_tones(FILE *w, const struct gp_settings *s,
  * programs write it. */
 static bool looks_linear(const struct gp_settings *s, const char *path)
 {
-    static const char *const endings[] = {"exr", "hdr", "pfm"};
     char ending[16];
     if (!s->tone.map.config && strcmp(s->tone.map.curve, "none") == 0)
         return false;
     gp_file_ending(path, ending, sizeof ending);
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
-        if (strcmp(ending, endings[i]) == 0)
-            return true;
-    }
-    return gp_is_dash(path) && s->output.write.stdout_format == GP_STDOUT_EXR;
+    return (ending[0] && strstr("exr hdr pfm", ending)) ||
+           (gp_is_dash(path) &&
+            s->output.write.stdout_format == GP_STDOUT_EXR);
 }
 
 #define LINEAR_HINT " (use --hdr for linear light)"
