@@ -2,10 +2,8 @@
 #include "cli/commands.h"
 
 #include "cli/output_guard.h"
-#include "cli/options.h"
 #include "cli/listener.h"
 #include "cli/stages.h"
-#include "bench/bench.h"
 #include "core/memory.h"
 
 /* The command's one frame, as a job of a run. */

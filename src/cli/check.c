@@ -289,33 +289,26 @@ static gp_status check_styles(const struct gp_log *log,
                               const struct gp_settings *s)
 {
     const bool makes = s->output.pictures.n || s->run.report;
-    if (s->input.files.n && !makes)
-        return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp "
-                       "styles -o sheet.png %s", s->input.files.at[0]);
-    if (s->input.files.n && gp_is_dash(s->input.files.at[0]))
+    if ((s->input.files.n > 0) != makes)
+        return gp_fail(log, GP_ERR_USAGE, "styles: %s; write glarepp styles -o "
+                       "sheet.png frame.exr", makes ? "no frame"
+                                                    : "nothing to make");
+    if (makes && gp_is_dash(s->input.files.at[0]))
         return gp_fail(log, GP_ERR_USAGE, "-: styles reads the frame once for "
                        "each style; give a file");
-    if (!s->input.files.n && makes)
-        return gp_fail(log, GP_ERR_USAGE, "styles: no frame; write glarepp "
-                       "styles -o sheet.png frame.exr");
     return GP_OK;
-}
-
-static bool is_power_of_two(int n)
-{
-    return n > 0 && (n & (n - 1)) == 0;
 }
 
 static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
 {
     struct glarepp_layer_params *const splat = &s->light.layer;
-    if (!is_power_of_two(splat->group))
+    if (splat->group & (splat->group - 1))
         return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
                        "%d); give 1, 2, 4, 8, 16, 32 or 64", splat->group);
     // the default of --cluster must not refuse a larger --group
     if (!gp_option_given(s, "cluster") && splat->cluster <= splat->group)
         splat->cluster = 0;
-    if (splat->cluster != 0 && !is_power_of_two(splat->cluster))
+    if (splat->cluster & (splat->cluster - 1))
         return gp_fail(log, GP_ERR_USAGE, "--cluster: not a power of two "
             "(found %d); give 0, 2, 4, 8, 16, 32 or 64", splat->cluster);
     if (splat->cluster != 0 && splat->cluster <= splat->group)

@@ -2,14 +2,10 @@
  * compared, and reports: idiff's lines and more, a JSON object, pictures. */
 #include "cli/output_guard.h"
 #include "cli/commands.h"
-#include "cli/options.h"
 #include "core/json.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "io/file.h"
-#include "io/read.h"
-#include "io/sequence.h"
-#include "io/write.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -341,7 +341,7 @@ gp_status gp_jobs_check_views(const struct gp_log *log,
 
 // -- outputs -----------------------------------------------------------------
 
-const struct gp_target gp_targets[] = {
+const struct gp_target_row gp_targets[] = {
     [GP_TARGET_HDR] = {"--hdr", "linear light", GLAREPP_OUTPUT},
     [GP_TARGET_LAYER] = {"--layer", "the glare alone, linear light",
                          GLAREPP_GLARE},

@@ -16,11 +16,11 @@ enum gp_target_kind {
     GP_TARGET_SUNMAP,
     GP_TARGET_INTENSITY,
 };
-struct gp_target {
+struct gp_target_row {
     const char *option, *text; // the text for notes
     enum glarepp_view view;
 };
-extern const struct gp_target gp_targets[];
+extern const struct gp_target_row gp_targets[];
 
 /* A file, or one for each frame or view when its name is a pattern. */
 struct gp_output {

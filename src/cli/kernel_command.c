@@ -1,18 +1,12 @@
-#include "cli/commands.h"
 
+#include "cli/commands.h"
 #include "cli/output_guard.h"
 #include "cli/listener.h"
-#include "cli/options.h"
-#include "glarepp.h"
 #include "io/file.h"
-#include "io/read.h"
-#include "io/write.h"
 
 #include <float.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 // -- making -------------------------------------------------------------------
 

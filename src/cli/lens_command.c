@@ -1,7 +1,6 @@
-#include "cli/commands.h"
 
+#include "cli/commands.h"
 #include "cli/output_guard.h"
-#include "glarepp.h"
 #include "io/file.h"
 
 #include <math.h>

@@ -81,72 +81,6 @@ const struct gp_command_row *gp_command_of(unsigned commands)
     return c;
 }
 
-// -- rows of the table -------------------------------------------------------
-
-const char *gp_option_value(const struct gp_option *o, int i, const char **text)
-{
-    *text = NULL;
-    if (o->choices) {
-        *text = o->choices[i].text;
-        return o->choices[i].name;
-    }
-    return o->list ? o->list(i, text) : NULL;
-}
-
-struct gp_range_text gp_option_range(const struct gp_option *o)
-{
-    struct gp_range_text r;
-    bool open_end = o->hi >= (double) FLT_MAX;
-    bool over_zero = o->lo == (double) FLT_MIN; // stands for > 0
-    if (o->lo <= -(double) FLT_MAX && open_end)
-        snprintf(r.text, sizeof r.text, "any number");
-    else if (over_zero && open_end)
-        snprintf(r.text, sizeof r.text, "more than 0");
-    else if (over_zero)
-        snprintf(r.text, sizeof r.text, "more than 0, up to %g", o->hi);
-    else if (open_end)
-        snprintf(r.text, sizeof r.text, "%g or more", o->lo);
-    else
-        snprintf(r.text, sizeof r.text, "%.15g to %.15g", o->lo, o->hi);
-    return r;
-}
-
-const struct gp_option *gp_option_find(const char *name, size_t length)
-{
-    for (const struct gp_option *o = gp_options; o->name; o++) {
-        if (strlen(o->name) == length && strncmp(o->name, name, length) == 0)
-            return o;
-    }
-    return NULL;
-}
-
-bool gp_option_given(const struct gp_settings *s, const char *name)
-{
-    const struct gp_option *const o = gp_option_find(name, strlen(name));
-    const size_t i = o ? (size_t) (o - gp_options) : 0;
-    return o && (s->words.given[i / 64] >> i % 64 & 1);
-}
-
-const struct gp_option_choice *gp_option_chosen(const struct gp_option *o,
-                                                const void *field)
-{
-    const int v = o->kind == GP_KIND_EITHER ? *(const bool *) field
-                                            : *(const int *) field;
-    const struct gp_option_choice *c = o->choices;
-    while (c->name && c->value != v)
-        c++;
-    return c->name ? c : NULL;
-}
-
-const struct gp_option *gp_option_letter(char letter, unsigned commands)
-{
-    for (const struct gp_option *o = gp_options; o->name && letter; o++) {
-        if (o->letter == letter && (o->commands & commands))
-            return o;
-    }
-    return NULL;
-}
-
 // -- what values ask for -----------------------------------------------------
 
 bool gp_kernel_is_file(const char *word)
@@ -277,6 +211,94 @@ const struct gp_option_choice gp_raws[] = {
     {"rgb48le", GP_RAW_RGB48LE, "16 bits, sRGB, low byte first"},
     {"rgb48be", GP_RAW_RGB48BE, "16 bits, sRGB, high byte first"},
     {"rgbf32le", GP_RAW_RGBF32LE, "floats as they are, low byte first"}, {0},
+};
+
+const struct gp_option_choice gp_grows[] = {
+    {"kernel", 0, "as far as the kernel reaches"},
+    {"none", 0, "outputs keep the data window, and glare ends at its edges"},
+    {0},
+};
+const struct gp_option_choice gp_topics[] = {{"all", 0, NULL}, {0}};
+const struct gp_option_choice gp_normalizes[] = {
+    {"luminance", GP_NORMALIZE_LUMINANCE, "so that the luminance of its sum is "
+     "1; channels keep their ratios"},
+    {"none", GP_NORMALIZE_NONE, "not at all: use the values of the file"}, {0},
+};
+const struct gp_option_choice gp_mixes[] = {
+    {"scatter", GLAREPP_SCATTER, "add the layer and subtract its light from "
+     "the sources, which conserves energy; a gain over 1 adds light"},
+    {"add", GLAREPP_ADD, "add the layer to the frame"},
+    {0},
+};
+const struct gp_option_choice gp_edges_ways[] = {
+    {"extend", GLAREPP_EXTEND, "with the broad light of its border, without "
+     "lamps; the default with --mix scatter"},
+    {"mirror", GLAREPP_MIRROR, "with its mirror image, a quarter of its "
+     "shorter side wide, then as extend; takes up to twice the time"},
+    {"black", GLAREPP_BLACK, "not at all: light that leaves the picture is "
+     "lost; the default with --mix add"},
+    {0},
+};
+const struct gp_option_choice gp_threshold_modes[] = {
+    {"excess", false, "the part of its luminance Y that is over "
+     "T: its colour times (Y - T) / Y"},
+    {"whole", true, "all of its colour, as the sensors of Ando "
+     "et al.; the picture has a step at the threshold"},
+    {0},
+};
+const struct gp_option_choice gp_depth_types[] = {
+    {"z", GLAREPP_Z, "distance along the view axis"},
+    {"ray", GLAREPP_RAY, "distance from the camera"},
+    {"inverse", GLAREPP_INVERSE, "1 / z; 0 is empty"},
+    {"normalized", GLAREPP_NORMALIZED, "0 near to 1 far, or 1 near to 0 far "
+     "where the background is 0"},
+    {0},
+};
+const struct gp_option_choice gp_sun_methods[] = {
+    {"exact", GLAREPP_EXACT, "the area of every pixel under the disc, in "
+     "double, on the CPU; no GL"},
+    {"mask", GLAREPP_MASK, "Maughan's texture masking on GL: a sun map of "
+     "samples, added up in a pixel"},
+    {"readback", GLAREPP_READBACK, "read the region under the light back from "
+     "GL and count its clear pixels"},
+    {0},
+};
+const struct gp_option_choice gp_patterns[] = {
+    {"disc", false, "equal-area samples of the disc"},
+    {"square", true, "the square around it, as in the paper"}, {0},
+};
+const struct gp_option_choice gp_sums[] = {
+    {"float", false, "every texel, in float"},
+    {"8bit", true, "in 8 bits, 1/255 a texel, as in the paper"},
+    {0},
+};
+const struct gp_option_choice gp_outsides[] = {
+    {"ignore", GLAREPP_IGNORE, "measure only the part inside"},
+    {"visible", GLAREPP_VISIBLE, "as visible, with its glare and flare"},
+    {"hidden", GLAREPP_HIDDEN, "as hidden"},
+    {"scene", GLAREPP_BY_SCENE, "as the objects of --scene hide it, also "
+     "behind the camera; the default with --scene"},
+    {0},
+};
+const struct gp_option_choice gp_ups[] = {
+    {"auto", GLAREPP_UP_AUTO, "the axis by which the scene's camera is nearer "
+     "to the frame's; without one, the axis nearer to the picture's upright; of a frame "
+     "without a camera y, and for --relight the one by which its normals fit "
+     "its depth"},
+    {"y", GLAREPP_UP_Y, "y, as in glTF"},
+    {"z", GLAREPP_UP_Z, "z, as in Blender"}, {0},
+};
+const struct gp_option_choice gp_spaces[] = {
+    {"world", false, "those of the frame's world"},
+    {"camera", true, "x right, y up, z to the eye, whatever "
+     "worldToCamera has"}, {0},
+};
+const struct gp_option_choice gp_plans[] = {
+    {"estimate", false, "the same plan, so the same bytes, in "
+     "every run"},
+    {"measure", true, "the fastest of a few measured plans, "
+     "kept in the cache folder; last bits may differ from run to run"},
+    {0},
 };
 
 // -- values by name ----------------------------------------------------------

@@ -1,7 +1,6 @@
 #include "cli/commands.h"
 
 #include "cli/machine.h"
-#include "cli/report.h"
 #include "cli/stages.h"
 #include "core/clock.h"
 #include "core/memory.h"
@@ -11,12 +10,6 @@
 #include <limits.h>
 #include <pthread.h>
 #include <signal.h>
-#include <string.h>
-
-struct schedule {
-    bool on[GP_STAGES];       // the stage runs
-    unsigned dead[GP_STAGES]; // data that no later stage needs
-};
 
 enum state {
     FREE,
@@ -46,7 +39,8 @@ struct pipeline {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
     struct gp_progress *progress;
-    struct schedule schedule;
+    bool on[GP_STAGES];              // the stage runs
+    unsigned dead[GP_STAGES];        // data that no later stage needs
     struct gp_run run;
     int units, slots;
     size_t memory;                   // limit of the process; 0: unknown
@@ -60,7 +54,7 @@ struct pipeline {
     int limit;                       // units from here on get no further phase
     gp_status result;                // of the unit that ended the run
     size_t largest;                  // bytes of the largest unit so far
-    int frames, dark;                // written; of these without sources
+    int dark;                        // frames written without sources
     struct gp_frame_report brightest; // of the dark frames
     struct gp_tally tally;           // of those written
 };
@@ -77,8 +71,9 @@ static unsigned unasked(const struct gp_settings *s)
 }
 
 /* Chooses the stages that the wanted files need, from the last to the first. */
-static void make_schedule(const struct gp_run *r, struct schedule *p)
+static void make_schedule(struct pipeline *p)
 {
+    const struct gp_run *const r = &p->run;
     unsigned written = 0;
     for (int i = 0; i < r->jobs->targets; i++)
         written |= gp_target_needs(r->s, r->jobs->target[i].kind);
@@ -93,6 +88,8 @@ static void make_schedule(const struct gp_run *r, struct schedule *p)
                           (!r->s->run.report || wanted & GP_HAS_LIT);
         p->on[i] = stage->gives & wanted & ~unasked(r->s);
         p->dead[i] = ~wanted;
+        if (stage->gives == GP_HAS_LIT)
+            p->run.layer_ends = p->dead[i] & GP_HAS_LAYER;
         if (p->on[i] && !idle)
             wanted |= stage->needs |
                       (stage->gives == GP_HAS_FILES ? written : 0u);
@@ -167,7 +164,7 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
     fs->facts.cost.has_cpu = p->slots == 1; // CPU time is the process's
     for (int i = 0; i < GP_STAGES && !st; i++) {
         const struct gp_stage *const stage = &gp_stages[i];
-        if (!p->schedule.on[i] || stage->phase != phase)
+        if (!p->on[i] || stage->phase != phase)
             continue;
         // skipped frames count neither as done nor in the total
         const int kept = atomic_load(&p->kept);
@@ -176,7 +173,7 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
                            p->jobs->n - kept, fs->job->input, stage->name);
         st = run_stage(p, stage, fs);
         if (!st)
-            gp_frame_state_release(fs, p->schedule.dead[i]);
+            gp_frame_state_release(fs, p->dead[i]);
     }
     if (st && fs->frame) // the next frame needs what the plan lent
         (void) glarepp_frame_run(fs->frame, GLAREPP_DONE);
@@ -258,7 +255,6 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
                 p->brightest = *facts;
             p->dark += facts->dark;
             gp_tally_add(&p->tally, facts);
-            p->frames++;
         }
         if (st)
             p->jobs->job[first + v].failed = true;
@@ -462,11 +458,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         .memory = gp_memory_limit(""), .limit = INT_MAX,
         .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
     };
-    make_schedule(&p.run, &p.schedule);
-    for (int i = 0; i < GP_STAGES; i++) {
-        if (gp_stages[i].gives == GP_HAS_LIT)
-            p.run.layer_ends = p.schedule.dead[i] & GP_HAS_LAYER;
-    }
+    make_schedule(&p);
     GP_TRY(begin_run(log, gp, &p.run));
     GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) p.slots,
                          sizeof *p.unit, &p.unit));
@@ -485,8 +477,8 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         gp_progress_say(progress, stderr, line);
     }
     // (a sequence may fade in: dark frames beside others are in the report)
-    if (p.frames && p.dark == p.frames) {
-        gp_frame_report_dark(&p.brightest, p.frames, line, sizeof line);
+    if (p.dark && p.dark == p.tally.made) {
+        gp_frame_report_dark(&p.brightest, p.dark, line, sizeof line);
         gp_say(log, GP_LEVEL_WARN, "%s", line);
     }
     GP_TRY(gp_failures_report(log, jobs, atomic_load(&p.kept)));

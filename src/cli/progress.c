@@ -2,7 +2,6 @@
 
 #include "core/clock.h"
 #include "core/json.h"
-#include "core/memory.h"
 #include "core/minmax.h"
 
 #include <limits.h>

@@ -1,7 +1,6 @@
 #include "cli/report.h"
 
 #include "cli/machine.h"
-#include "cli/options.h"
 #include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -559,9 +558,7 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
                          bool create_dir, struct gp_report *out)
 {
     struct gp_report r = {.path = path};
-    const int given = gp_file_descriptor(path);
-    r.given = given >= 0;
-    if (given == STDOUT_FILENO) {
+    if (gp_file_descriptor(path) == STDOUT_FILENO) {
         r.file = stdout;
     } else {
         int fd;
@@ -590,12 +587,13 @@ static gp_status write_failed(const struct gp_log *log,
                    strerror(errno));
 }
 
-/* Truncates a regular file to `size`; leaves other kinds as they are. */
+/* Truncates a regular file to `size`; leaves other kinds as they are, and those
+ * of descriptors that were open before. */
 static bool cut_file(const struct gp_report *r, long size)
 {
     struct stat s;
     const int fd = fileno(r->file);
-    if (r->given || size < 0 || fstat(fd, &s) != 0 ||
+    if (gp_file_descriptor(r->path) >= 0 || size < 0 || fstat(fd, &s) != 0 ||
         !S_ISREG(s.st_mode))
         return true;
     return ftruncate(fd, size) == 0;

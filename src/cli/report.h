@@ -116,7 +116,6 @@ struct gp_report {
     FILE *file;        // NULL: closed
     const char *path;  // borrowed; "-" is stdout
     char *created;     // owned: the file that did not exist; NULL: it did
-    bool given;        // an open descriptor's, whose file is never cut
     long long lines;
 };
 

@@ -1,6 +1,5 @@
 #include "cli/report.h"
 
-#include "cli/options.h"
 #include "cli/progress.h"
 #include "io/file.h"
 
@@ -87,16 +86,13 @@ static void add_tones(FILE *w, const struct gp_settings *s,
  * programs write it. */
 static bool looks_linear(const struct gp_settings *s, const char *path)
 {
-    static const char *const endings[] = {"exr", "hdr", "pfm"};
     char ending[16];
     if (!s->tone.map.config && strcmp(s->tone.map.curve, "none") == 0)
         return false;
     gp_file_ending(path, ending, sizeof ending);
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
-        if (strcmp(ending, endings[i]) == 0)
-            return true;
-    }
-    return gp_is_dash(path) && s->output.write.stdout_format == GP_STDOUT_EXR;
+    return (ending[0] && strstr("exr hdr pfm", ending)) ||
+           (gp_is_dash(path) &&
+            s->output.write.stdout_format == GP_STDOUT_EXR);
 }
 
 #define LINEAR_HINT " (use --hdr for linear light)"
@@ -200,8 +196,8 @@ static void say_kernel(FILE *w, const struct gp_frame_report *f)
             fprintf(w, ", pupil of %.1f mm", k->pupil[i]);
     }
     if (k->deg_per_pixel > 0.0)
-        fprintf(w, ", view of %.3g degrees (%s)", k->fov,
-                origin(k->fov_from));
+        fprintf(w, ", view of %.3g degrees (%s%s)", k->fov, origin(k->fov_from),
+                strcmp(k->fov_from, "default") ? "" : "; --fov sets it");
     if (g->engine)
         fprintf(w, ", engine %s (%s)", g->engine,
                 strcmp(s->light.layer.engine, "auto") == 0 ? "chosen by auto"

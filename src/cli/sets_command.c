@@ -1,12 +1,8 @@
-#include "cli/commands.h"
 
+#include "cli/commands.h"
 #include "cli/output_guard.h"
-#include "cli/options.h"
-#include "bench/bench.h"
 #include "core/json.h"
-#include "glarepp.h"
 #include "io/file.h"
-#include "io/write.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -1,10 +1,8 @@
 #include "cli/stages.h"
 
-#include "cli/options.h"
 #include "cli/listener.h"
 #include "core/memory.h"
 #include "io/grow.h"
-#include "io/sequence.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -95,22 +93,6 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     return st;
 }
 
-/* Sets the pixels to grow by to those that the kernel reaches. */
-static gp_status find_reach(const struct gp_run *r, struct gp_frame_state *fs,
-                            struct gp_grow_params *p)
-{
-    const gp_status st = begin_frame(r, fs);
-    if (st)
-        return st;
-    const struct glarepp_rect reach = glarepp_frame_reach(fs->frame);
-    glarepp_frame_end(&fs->frame);
-    p->left = reach.x0;
-    p->top = reach.y0;
-    p->right = reach.x1;
-    p->bottom = reach.y1;
-    return GP_OK;
-}
-
 /* Grows the frame and the layers of its light groups to the window of the
  * outputs. */
 static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
@@ -126,8 +108,15 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
     gp_status st;
     if (s->output.grow_pixels == GP_GROW_NONE)
         return GP_OK;
-    if (s->output.grow_pixels == GP_GROW_KERNEL)
-        GP_TRY(find_reach(r, fs, &p));
+    if (s->output.grow_pixels == GP_GROW_KERNEL) {
+        GP_TRY(begin_frame(r, fs));
+        const struct glarepp_rect reach = glarepp_frame_reach(fs->frame);
+        glarepp_frame_end(&fs->frame);
+        p.left = reach.x0;
+        p.top = reach.y0;
+        p.right = reach.x1;
+        p.bottom = reach.y1;
+    }
     window = gp_grow_window(&p, &fs->file);
     do { // until the window is on the subsampling grids of all frames
         before = window;
@@ -508,18 +497,6 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
                                  kind, stats);
 }
 
-/* Gives the picture to who takes it in place of files. */
-static gp_status hand_over(const struct gp_run *r, struct gp_frame_state *fs)
-{
-    const struct gp_taker *const taker = r->jobs->taker;
-    struct gp_planes planes;
-    const gp_status st = look_at(fs, untoned(r->s) ? GLAREPP_LIT
-                                                   : GLAREPP_SHOWN,
-                                 0, &planes, NULL);
-    return st ? st : taker->take(taker->user, fs->log, &fs->file,
-                                 &planes);
-}
-
 static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_log *const log = fs->log;
@@ -528,9 +505,14 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_write_params p = r->s->output.write;
     struct gp_write_facts *const facts = &fs->facts.write;
     struct gp_clamp_facts *const clamp = &fs->facts.clamp;
+    const struct gp_taker *const taker = r->jobs->taker;
     gp_status st = GP_OK;
-    if (r->jobs->taker)
-        return hand_over(r, fs);
+    if (taker) { // in place of files
+        struct gp_planes planes;
+        st = look_at(fs, untoned(r->s) ? GLAREPP_LIT : GLAREPP_SHOWN, 0,
+                     &planes, NULL);
+        return st ? st : taker->take(taker->user, log, &fs->file, &planes);
+    }
     p.no_clobber = false; // a frame with a missing output writes all
     p.command = r->s->output.no_provenance ? NULL : fs->facts.job.command;
     if (plan->config) {

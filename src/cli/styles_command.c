@@ -1,11 +1,9 @@
 #include "cli/commands.h"
 
-#include "cli/options.h"
 #include "cli/stages.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "io/file.h"
-#include "io/write.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -22,6 +20,9 @@ enum { TILE = 640 };
 struct sheet {
     int w, h;                // of a tile; 0: none is there yet
     int columns, tiles;      // all that there will be
+    int i;                   // present tile
+    const char *caption;     // of a to z, spaces and dashes; cut where too long
+    struct gp_report report; // with a line for each
     struct gp_planes planes; // display-linear, of the whole sheet; owned
 };
 
@@ -117,19 +118,19 @@ static gp_status begin(const struct gp_log *log, const struct gp_frame *f,
     return st;
 }
 
-/* Draws tile i: the display window of f from `picture`, the samples of its data
+/* Draws a tile: the display window of f from `picture`, the samples of its data
  * window, scaled down by areas; outside of the data window it is black. The
- * first tile sets the size of all. Captions are of a to z, spaces and dashes;
- * longer ones are cut. */
-static gp_status draw_tile(const struct gp_log *log, struct sheet *s, int i,
-    const char *caption, const struct gp_frame *f,
-    const struct gp_planes *picture)
+ * first tile sets the size of all. */
+static gp_status draw_tile(void *user, const struct gp_log *log,
+                           const struct gp_frame *f,
+                           const struct gp_planes *picture)
 {
+    struct sheet *const s = user;
     const gp_status st = s->w ? GP_OK : begin(log, f, s);
     if (st)
         return st;
-    const int left = GAP + i % s->columns * (s->w + GAP);
-    const int top = GAP + i / s->columns * (s->h + LINE + GAP);
+    const int left = GAP + s->i % s->columns * (s->w + GAP);
+    const int top = GAP + s->i / s->columns * (s->h + LINE + GAP);
     const double across = (double) gp_rect_w(f->display) / s->w;
     const double down = (double) gp_rect_h(f->display) / s->h;
     const int dx = f->display.x0 - f->data.x0, dy = f->display.y0 - f->data.y0;
@@ -144,35 +145,17 @@ static gp_status draw_tile(const struct gp_log *log, struct sheet *s, int i,
                     out);
         }
     }
-    draw_caption(s, left, top, caption);
+    draw_caption(s, left, top, s->caption);
     return GP_OK;
-}
-
-// -- a tile -------------------------------------------------------------------
-
-/* A picture that a run of the main job makes for the sheet. */
-struct tile {
-    struct sheet *sheet;
-    int i;
-    const char *caption;
-    struct gp_report report;
-};
-
-static gp_status take_picture(void *user, const struct gp_log *log,
-                              const struct gp_frame *f,
-                              const struct gp_planes *picture)
-{
-    const struct tile *const t = user;
-    return draw_tile(log, t->sheet, t->i, t->caption, f, picture);
 }
 
 /* Runs the main job with `last`, an option and its value as one word, after the
  * options that were given. */
 static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
-    const struct gp_settings *s, char *last, struct tile *t)
+    const struct gp_settings *s, char *last, struct sheet *sheet)
 {
     gp_status st;
-    struct gp_taker taker = {take_picture, t, &t->report};
+    struct gp_taker taker = {draw_tile, sheet, &sheet->report};
     struct gp_settings one = {0};
     struct gp_jobs jobs = {0};
     struct gp_progress none;
@@ -241,29 +224,25 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
     }
     while (gp_styles[sheet.tiles - 1].name)
         sheet.tiles++;
-    struct tile t = {&sheet, 0, "no glare", {0}};
     if (s->run.report)
-        GP_TRY(gp_report_open(log, s->run.report, false, &t.report));
-    GP_TRY(make_tile(log, gp, s, (char []) {"--gain=0"}, &t));
+        GP_TRY(gp_report_open(log, s->run.report, false, &sheet.report));
+    sheet.caption = "no glare";
+    GP_TRY(make_tile(log, gp, s, (char []) {"--gain=0"}, &sheet));
     for (; style->name; style++) {
         char word[64];
         snprintf(word, sizeof word, "--style=%s", style->name);
-        t.i++;
-        t.caption = style->name;
-        GP_TRY(make_tile(log, gp, s, word, &t));
+        sheet.i++;
+        sheet.caption = style->name;
+        GP_TRY(make_tile(log, gp, s, word, &sheet));
     }
     st = write_sheet(log, s, &sheet);
-    if (!st && s->run.level == GP_LEVEL_WARN && isatty(STDERR_FILENO)) {
-        char line[GP_LINE_BYTES];
-        snprintf(line, sizeof line,
-                 "%s: %d pictures of %s, the first without "
-                 "glare",
-                 s->output.pictures.at[0], sheet.tiles, s->input.files.at[0]);
-        gp_make_printable(line);
-        fprintf(stderr, "%s\n", line);
-    }
+    if (!st && s->output.pictures.n && s->run.level == GP_LEVEL_WARN &&
+        isatty(STDERR_FILENO))
+        fprintf(stderr, "%s: %d pictures of %s, the first without glare\n",
+                gp_printable(s->output.pictures.at[0]).text, sheet.tiles,
+                gp_printable(s->input.files.at[0]).text);
 out:;
-    const gp_status closed = gp_report_close(st ? NULL : log, &t.report);
+    const gp_status closed = gp_report_close(st ? NULL : log, &sheet.report);
     gp_planes_free(&sheet.planes);
     return st ? st : closed;
 }

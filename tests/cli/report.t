@@ -338,7 +338,7 @@ terminal -o out.png seven.exr
 is "$(sed 's/[0-9]*\.[0-9]* s$/T s/' err)" 'out.png: 1 source, 8.8 % of the light moved, view of 30 degrees (assumed), neutral, T s' \
     'on a terminal: one line says what happened'
 terminal --fov 40 -g 0.5 --tonemap agx -o out.png --hdr h.exr seven.exr
-like "$(cat err)" 'out.png and 1 more: 1 source, 4.4 % of the light moved, view of 40 degrees (given), agx, *' \
+like "$(cat err)" 'out.png and 1 more: 1 source, 4.4 % of the light moved, view of 40 degrees (--fov), agx, *' \
     'with what was given'
 terminal -o x.exr seven.exr
 like "$(cat err)" '*, tone-mapped by neutral (use --hdr for linear light), *' \

@@ -25,6 +25,9 @@
  * end the process themselves.
  */
 #include "fail.h"
+#ifndef FAIL_WRAPPED
+#include "blocks.h"
+#endif
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -243,53 +246,6 @@ long fail_blocks(void)
 // -- what counts: in a whole program, calls of its own from main on ----------
 
 #else
-/* The addresses of blocks that were allocated and not yet freed: a hash table
- * that allocates nothing itself. A removed entry stays in it as REMOVED. */
-enum { BLOCKS = 1 << 16 };
-static atomic_long block_count;
-static const void *block_table[BLOCKS];
-static const char REMOVED[1];
-static pthread_mutex_t blocks_lock = PTHREAD_MUTEX_INITIALIZER;
-
-static size_t slot_of(const void *p)
-{
-    return (size_t) ((uintptr_t) p / 16 * 0x9e3779b97f4a7c15u >> 48) % BLOCKS;
-}
-
-static void *add_block(void *p)
-{
-    if (!p)
-        return NULL;
-    size_t i = slot_of(p);
-    pthread_mutex_lock(&blocks_lock);
-    if (++block_count == BLOCKS / 2)
-        abort();
-    while (block_table[i] && block_table[i] != REMOVED)
-        i = (i + 1) % BLOCKS;
-    block_table[i] = p;
-    pthread_mutex_unlock(&blocks_lock);
-    return p;
-}
-
-/* Returns whether `p` was in the table. */
-static bool remove_block(const void *p)
-{
-    if (!p || !atomic_load(&block_count))
-        return false;
-    size_t i = slot_of(p);
-    pthread_mutex_lock(&blocks_lock);
-    int tried_slots = 0;
-    while (block_table[i] && block_table[i] != p && tried_slots++ < BLOCKS)
-        i = (i + 1) % BLOCKS;
-    const bool found = block_table[i] == p;
-    if (found) {
-        block_table[i] = REMOVED;
-        block_count--;
-    }
-    pthread_mutex_unlock(&blocks_lock);
-    return found;
-}
-
 static char log_path[4096];
 static atomic_bool counting;
 static _Thread_local bool inside; // the shim's own calls
@@ -364,7 +320,7 @@ static void print_counts(void)
                  atomic_load(&calls[i]));
         note(line);
     }
-    snprintf(line, sizeof line, "leaked %ld\n", atomic_load(&block_count));
+    snprintf(line, sizeof line, "leaked %ld\n", count_blocks());
     note(line);
 }
 

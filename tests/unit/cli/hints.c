@@ -5,8 +5,6 @@
 #include "cli/options.h"
 
 #include <ctype.h>
-#include <ftw.h>
-#include <regex.h>
 
 /* The program is not told of these, or the text says it all. */
 static const char *const wordless[] = {
@@ -18,52 +16,24 @@ static const char *const wordless[] = {
 static char parameter[256][40]; // of src/, each once
 static size_t parameters;
 
-static void keep(const char *name, size_t length)
+/* Finds the strings of sources that are fields of glarepp.h. */
+static void find_parameters(void)
 {
-    char text[sizeof *parameter];
-    snprintf(text, sizeof text, "%.*s", (int) length, name);
-    for (size_t i = 0; i < parameters; i++) {
-        if (strcmp(parameter[i], text) == 0)
-            return;
-    }
-    assert_true(parameters < COUNT(parameter) && length < sizeof text);
-    strcpy(parameter[parameters++], text);
-}
-
-/* Keeps the strings of a source that are fields of glarepp.h. */
-static int read_source(const char *path, const struct stat *s, int kind)
-{
-    static char text[1 << 17];
-    const char *const end = strrchr(path, '.');
-    if (kind != FTW_F || !end || strcmp(end, ".h") == 0)
-        return 0;
-    FILE *const f = fopen(path, "r");
+    FILE *const f = popen(
+        "cd src && grep -rhoE '\"(field|frame|image|kernel|layer|lens|lights|"
+        "params|plan|scene|sense|tone)(\\.[a-z_]+)+[\" ]' --include='*.c' "
+        "--include='*.cpp' api compare core gl glare scene sun tone | "
+        "tr -d '\" ' | grep -v '[.]vert$' | sort -u", "r");
     assert_non_null(f);
-    text[fread(text, 1, sizeof text - 1, f)] = '\0';
-    fclose(f);
-    regex_t field;
-    regmatch_t m[2];
-    assert_int_equal(regcomp(&field, "\"((field|frame|image|kernel|layer|lens|"
-        "lights|params|plan|scene|sense|tone)(\\.[a-z_]+)+)[\" ]",
-        REG_EXTENDED), 0);
-    for (const char *at = text; regexec(&field, at, 2, m, 0) == 0;
-         at += m[0].rm_eo) {
-        if (strncmp(at + m[1].rm_eo - 5, ".vert", 5) != 0) // a shader
-            keep(at + m[1].rm_so, (size_t) (m[1].rm_eo - m[1].rm_so));
-    }
-    regfree(&field);
-    return 0;
+    while (parameters < COUNT(parameter) &&
+           fscanf(f, "%39s", parameter[parameters]) == 1)
+        parameters++;
+    pclose(f);
 }
 
 static void each_parameter_has_words(void **state)
 {
-    static const char *const rooms[] = {"api", "compare", "core", "gl", "glare",
-                                        "scene", "sun", "tone"};
-    for (size_t i = 0; i < COUNT(rooms); i++) {
-        char folder[16]; // below the repository, as examples/ is
-        snprintf(folder, sizeof folder, "src/%s", rooms[i]);
-        assert_int_equal(ftw(folder, read_source, 16), 0);
-    }
+    find_parameters();
     assert_true(parameters > 50);
     for (size_t i = 0; i < parameters; i++) {
         bool needs = true;
@@ -141,35 +111,22 @@ static void messages_name_options_and_kernels(void **state)
     gp_settings_free(&s);
 }
 
-/* A frame's messages are printed in the order of frames, by its log. */
-static void frames_have_logs_of_their_own(void **state)
-{
-    struct gp_settings s;
-    assert_ok(parse("-o a i", &s));
-    struct gp_listener user = {NULL, &s};
-    struct glarepp_message m = {GLAREPP_WARNING, 0, "", "of a frame", false,
-                                (void *) (uintptr_t) &kept_all};
-    kept_clear();
-    gp_hear(&user, &m);
-    assert_string_equal(kept_warning, "of a frame");
-    gp_settings_free(&s);
-}
-
 static void keep_level(void *user, const struct gp_line *line)
 {
     *(enum gp_level *) user = line->level;
 }
 
-/* The log's user puts its file before messages that name none. */
-static void messages_without_a_file_are_bare(void **state)
+/* A frame's messages go to its log, in the order of frames; the log's user puts
+ * its file before messages that name none. */
+static void frames_have_logs_of_their_own(void **state)
 {
-    enum gp_level level;
-    const struct gp_log log = {keep_level, &level, GP_LEVEL_WARN};
+    enum gp_level level = GP_LEVEL_INFO;
+    struct gp_log log = {keep_level, &level, GP_LEVEL_WARN};
     struct gp_settings s;
     assert_ok(parse("-o a i", &s));
-    struct gp_listener user = {&log, &s};
+    struct gp_listener user = {NULL, &s};
     struct glarepp_message m = {GLAREPP_ERROR, 70, "", "plan: full", true,
-                                NULL};
+                                &log};
     gp_hear(&user, &m);
     assert_int_equal(level, GP_LEVEL_BARE);
     m.bare = false;
@@ -179,6 +136,5 @@ static void messages_without_a_file_are_bare(void **state)
 }
 
 SUITE_OF(hints, NULL, NULL, messages_name_options_and_kernels,
-         messages_without_a_file_are_bare, frames_have_logs_of_their_own,
-         each_parameter_has_words,
+         frames_have_logs_of_their_own, each_parameter_has_words,
          words_name_options_that_exist, advice_is_joined)

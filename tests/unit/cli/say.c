@@ -140,7 +140,7 @@ static void notes_say_what_and_why(void **state)
         "in.exr: 1,183 sources: pixels over the threshold of 1 (the default), "
         "3.1 % of the light moved\n"
         "in.exr: kernel of style camera (the default), view of 30 degrees "
-        "(assumed), engine fft (chosen by auto)\n"
+        "(assumed; --fov sets it), engine fft (chosen by auto)\n"
         "in.exr: wrote lit.exr: linear light; out.png: tone-mapped by neutral "
         "(the default)\n");
     f.job.view = "left";

@@ -38,13 +38,6 @@ static void styles_set_what_is_not_given(void **state)
     assert_int_equal(s.words.options.n,
                      4); // the style's words are not written out
     gp_settings_free(&s);
-    assert_ok(parse("-o a.png in.exr", &s));
-    assert_string_equal(s.light.style, "camera");
-    assert_int_equal(s.kernel.words.n, 3);
-    gp_settings_free(&s);
-    assert_ok(parse("--style mist -o a.png in.exr", &s));
-    assert_true(s.light.sense.threshold == 0.0f);
-    gp_settings_free(&s);
     // in any order
     assert_ok(parse("-t 3 --style mist -k star -o a.png in.exr", &s));
     assert_true(s.light.sense.threshold == 3.0f);
@@ -56,9 +49,6 @@ static void styles_set_what_is_not_given(void **state)
     gp_settings_free(&s);
     assert_ok(parse("bench --style anamorphic in.exr", &s));
     assert_string_equal(s.sun.p.flare, "preset:oval");
-    gp_settings_free(&s);
-    assert_ok(parse("kernel --style star -o k.exr", &s));
-    assert_true(s.kernel.words.n > 1);
     gp_settings_free(&s);
     assert_int_equal(parse("--style starr -o a.png in.exr", &s), GP_ERR_USAGE);
     assert_kept("did you mean star?");
