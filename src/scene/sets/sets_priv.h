@@ -102,9 +102,8 @@ bool gp_reach_meets(const struct gp_reach *r, const struct gp_volume *v);
 
 // -- umbras (umbra.c) ---------------------------------------------------------
 
-/* Convex bodies of a scene's meshes, and the umbras that they throw before one
- * light: a closed convex polyhedron, or a flat convex polygon, of at most 64
- * points, opaque everywhere. */
+/* Bodies of a scene's meshes, and the umbras that they throw before one light: a
+ * body is a closed convex polyhedron of at most 64 points, opaque everywhere. */
 struct gp_umbras;
 
 /* Errors: GP_ERR_BUG memory is full. Out: NULL; close it in any case. */

@@ -14,10 +14,9 @@ struct body {
     unsigned char face[FACES][3]; // triangles, in any winding
     struct {
         unsigned char from, to;   // points
-        unsigned char side[2];    // faces; equal ones: a polygon's border
+        unsigned char side[2];    // faces; equal ones: only one
     } edge[EDGES];
     int points, faces, edges;
-    bool flat;
 };
 
 /* The umbra of a body: behind its front faces and within the planes through
@@ -111,46 +110,27 @@ static bool plane_of(const struct body *b, int face,
                         gp_v3_sub(point[v[2]], a), inside, out);
 }
 
-/* Returns how many points are before a plane, by more than `near`, and adds to
- * *on those in it. */
-static int points_before(const struct body *b, struct gp_half h, double near,
-                         int *on)
-{
-    int before = 0;
-    for (int i = 0; i < b->points; i++) {
-        const double at = gp_half_at(h, b->point[i]);
-        before += at > near;
-        *on += fabs(at) <= near;
-    }
-    return before;
-}
-
 /* Checks that faces and edges bound a convex body: every point is behind every
- * face; of a polygon, every point is behind every edge of its border. */
-static bool convex(struct body *b, double near)
+ * face or in it, and not all are in it. */
+static bool is_convex(const struct body *b, double near)
 {
-    struct gp_half h = {0};
-    int border = 0, on = 0;
+    struct gp_half h;
     for (int f = 0; f < b->faces; f++) {
-        if (!plane_of(b, f, b->point, b->middle, &h) ||
-            points_before(b, h, near, &on) > 0)
+        double least = 0.0, most = 0.0;
+        if (!plane_of(b, f, b->point, b->middle, &h))
+            return false;
+        for (int i = 0; i < b->points; i++) {
+            least = fmin(least, gp_half_at(h, b->point[i]));
+            most = fmax(most, gp_half_at(h, b->point[i]));
+        }
+        if (most > near || least >= -near)
             return false;
     }
-    b->flat = b->faces > 0 && on == b->faces * b->points;
     for (int i = 0; i < b->edges; i++) {
-        if (b->edge[i].side[0] != b->edge[i].side[1])
-            continue;
-        struct gp_half out;
-        const struct gp_v3 a = b->point[b->edge[i].from];
-        border++;
-        if (!gp_half_span(a, gp_v3_sub(b->point[b->edge[i].to], a), h.n,
-                          b->middle, &out) ||
-            points_before(b, out, near, &on) > 0)
+        if (b->edge[i].side[0] == b->edge[i].side[1])
             return false;
     }
-    // closed (Euler), or flat with one border around
-    return b->flat ? border == b->points
-                   : border == 0 && b->points - b->edges + b->faces == 2;
+    return b->points - b->edges + b->faces == 2; // closed (Euler)
 }
 
 /* Finds the body of a mesh: of all of its triangles at once. False where they
@@ -176,7 +156,7 @@ static bool find_body(const struct gp_scene *s, int mesh, struct body *out)
     for (int i = 0; i < out->points; i++)
         out->middle = gp_v3_add(
             out->middle, gp_v3_scale(out->point[i], 1.0 / out->points));
-    return size > 0.0 && convex(out, near);
+    return is_convex(out, near);
 }
 
 gp_status gp_umbras_open(const struct gp_log *log, const struct gp_scene *s,
@@ -229,19 +209,16 @@ static bool set_planes(const struct body *body,
         if (!plane_of(body, f, point, middle, &h)) // by a singular matrix
             return false;
         const double at = gp_half_before(h, light);
-        // a polygon has two sides; away from the light is inside
-        front[f] = body->flat || at > 0.0;
-        if (body->flat && fabs(at) <= (light.w > 0.0 ? out->margin : 1e-6))
-            return false;
-        if (front[f])
-            out->plane[out->planes++] = at > 0.0 ? h : gp_half_turned(h);
+        front[f] = at > 0.0;
+        if (front[f]) // away from the light is inside
+            out->plane[out->planes++] = h;
     }
     if (out->planes == 0) // the light is in the body
         return false;
     for (int i = 0; i < body->edges; i++) {
         const unsigned char *const side = body->edge[i].side;
         const struct gp_v3 a = point[body->edge[i].from];
-        if (side[0] != side[1] && front[side[0]] == front[side[1]])
+        if (front[side[0]] == front[side[1]])
             continue;
         // (no plane: the light is on the edge's line)
         if (!gp_half_span(a, gp_v3_sub(point[body->edge[i].to], a),
@@ -252,8 +229,7 @@ static bool set_planes(const struct body *body,
     return true;
 }
 
-/* Makes the umbra of a body moved by a matrix. It is empty where the light is in
- * the body or in the plane of a flat one. */
+/* Makes the umbra of a body moved by a matrix; empty where the light is in it. */
 static void make_umbra(const struct body *body, const double to_world[16],
                    struct gp_from light, struct umbra *out)
 {
