@@ -1,14 +1,459 @@
-/* The sets of a frame and of its lights, by flags on objects. */
+/* The sets of a frame and of its lights, by flags on objects, and what they are
+ * found by: convex volumes (15.4.4), and the frame's depth by tiles (15.5). */
 #include "scene/sets/sets_priv.h"
 
+#include "core/depth.h"
 #include "core/memory.h"
+
+// -- convex volumes: what a camera sees, and its hull with a light --------------
+
+/* Rounding of a plane's distance, in parts of the largest coordinate. */
+static const double SLACK = 1e-9;
+
+bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
+                  struct gp_v3 inside, struct gp_half *out)
+{
+    const struct gp_v3 n = gp_v3_cross(a, b);
+    const double length = gp_v3_length(n);
+    *out = (struct gp_half) {0};
+    if (!(length > 1e-9 * gp_v3_length(a) * gp_v3_length(b)))
+        return false;
+    out->n = gp_v3_scale(n, 1.0 / length);
+    out->d = -gp_v3_dot(out->n, p);
+    if (gp_half_at(*out, inside) > 0.0)
+        *out = (struct gp_half) {gp_v3_scale(out->n, -1.0), -out->d};
+    return true;
+}
+
+/* The intersection of half-spaces, and a box around it; a frustum has 6, a hull
+ * with a point at most 6 and one for each edge. */
+struct volume {
+    int planes;
+    struct gp_half plane[18];
+    struct gp_box box; // infinite towards a directional light
+    double slack;      // rounding: what misses by less still meets
+};
+
+/* True where a box of centre c and half sides e cannot meet the volume: it is
+ * outside a plane, or of the volume's box. A box that misses all of the volume
+ * beside an edge may count as one that meets it, never the other way round. */
+static bool misses(const struct volume *v, struct gp_v3 c, struct gp_v3 e)
+{
+    if (c.x - e.x > v->box.hi.x + v->slack ||
+        c.x + e.x < v->box.lo.x - v->slack ||
+        c.y - e.y > v->box.hi.y + v->slack ||
+        c.y + e.y < v->box.lo.y - v->slack ||
+        c.z - e.z > v->box.hi.z + v->slack ||
+        c.z + e.z < v->box.lo.z - v->slack)
+        return true;
+    for (int i = 0; i < v->planes; i++) {
+        if (gp_half_at(v->plane[i], c) - gp_half_reach(v->plane[i], e) >
+            v->slack)
+            return true;
+    }
+    return false;
+}
+
+/* Returns the box that holds b and a light; one at infinity is reached along
+ * its direction. */
+static struct gp_box box_with(struct gp_box b, struct gp_from light)
+{
+    if (light.w != 0.0)
+        return gp_box_with(b, light.p);
+    const struct gp_v3 to = light.p;
+    b.lo.x = to.x < 0.0 ? -INFINITY : b.lo.x;
+    b.lo.y = to.y < 0.0 ? -INFINITY : b.lo.y;
+    b.lo.z = to.z < 0.0 ? -INFINITY : b.lo.z;
+    b.hi.x = to.x > 0.0 ? INFINITY : b.hi.x;
+    b.hi.y = to.y > 0.0 ? INFINITY : b.hi.y;
+    b.hi.z = to.z > 0.0 ? INFINITY : b.hi.z;
+    return b;
+}
+
+/* Returns the frustum of a part of the picture that is not empty, or its convex
+ * hull with a light: the planes that have the light inside and one through the
+ * light for each edge of the silhouette (Everitt and Kilgard 2003).
+ *
+ * Corners of the frustum have bit 0 right, 1 low, 2 far. Plane 2 k + side is that
+ * of the corners whose bit k is `side`. */
+static struct volume hull_of(const struct gp_sets_view *view,
+                             const struct gp_scissor *part,
+                             const struct gp_from *light)
+{
+    const struct gp_rect d = view->display, r = part->rect;
+    const double w = gp_rect_w(d), h = gp_rect_h(d);
+    struct volume v = {.box = GP_BOX_EMPTY};
+    struct gp_v3 corner[8], middle = {0.0, 0.0, 0.0};
+    struct gp_half plane;
+    bool out[6]; // planes that the light is outside of
+    for (int i = 0; i < 8; i++) {
+        corner[i] = gp_camera_point(
+            &view->camera, ((i & 1 ? r.x1 : r.x0) - d.x0) / w,
+            ((i & 2 ? r.y1 : r.y0) - d.y0) / h, i & 4 ? part->far : part->near);
+        middle = gp_v3_add(middle, gp_v3_scale(corner[i], 0.125));
+        v.box = gp_box_with(v.box, corner[i]);
+        v.slack = fmax(v.slack, SLACK * gp_v3_length(corner[i]));
+    }
+    for (int i = 0; i < 6; i++) {
+        const int k = i / 2, a = 1 << (k + 1) % 3, b = 1 << (k + 2) % 3;
+        const int at = (i % 2) << k | (k < 2 ? 4 : 0); // far, if it may be
+        gp_half_span(corner[at], gp_v3_sub(corner[at ^ a], corner[at]),
+                     gp_v3_sub(corner[at ^ b], corner[at]), middle, &plane);
+        out[i] = light && gp_half_before(plane, *light) > 0.0;
+        if (!out[i])
+            v.plane[v.planes++] = plane;
+    }
+    if (v.planes == 6) // the light is in the frustum: this is it
+        return v;
+    v.box = box_with(v.box, *light);
+    v.slack = fmax(v.slack, light->w * SLACK * gp_v3_length(light->p));
+
+    // an edge with a count of one is on the silhouette
+    for (int i = 0; i < 12; i++) {
+        const int k = i / 4, a = (k + 1) % 3, b = (k + 2) % 3;
+        const int at = (i & 1) << a | (i >> 1 & 1) << b;
+        if (out[2 * a + (i & 1)] == out[2 * b + (i >> 1 & 1)])
+            continue;
+        // (a light on the edge's line makes no plane: the hull is larger)
+        if (gp_half_span(corner[at], gp_v3_sub(corner[at | 1 << k], corner[at]),
+                         gp_from_to(*light, corner[at]), middle, &plane))
+            v.plane[v.planes++] = plane;
+    }
+    return v;
+}
+
+// -- what a light reaches -----------------------------------------------------
+
+/* A light made ready: a ball of its range, a spot's cut by its cone; of a
+ * directional one all of space. */
+struct reach {
+    struct gp_from from;   // place, or direction to it
+    double range;          // INFINITY: none
+    struct gp_v3 along;    // of a spot
+    double cos, sin;       // of a spot's outer half angle; sin 0: no cone
+    struct gp_box box;     // around the volume; may be infinite
+};
+
+/* Returns how far a light reaches along an axis whose cosine with its cone's is
+ * `at`. */
+static double reach_along(const struct reach *r, double at)
+{
+    double share = 1.0; // the cosine of the cone's nearest direction
+    if (r->sin != 0.0 && at < r->cos)
+        // rounded up; 0 where it points away: the apex
+        share = fmax(0.0, at * r->cos +
+                     sqrt(fmax(0.0, 1.0 - at * at)) * r->sin + 1e-12);
+    return share > 0.0 ? share * r->range : 0.0;
+}
+
+static struct reach reach_of(const struct gp_scene_light *light)
+{
+    const bool sun = light->kind == GP_LIGHT_DIRECTIONAL;
+    const struct gp_v3 a = light->along;
+    struct reach r = {
+        .from = {sun ? gp_v3_scale(a, -1.0) : light->at, sun ? 0.0 : 1.0},
+        .range = sun ? INFINITY : light->range, .along = a,
+    };
+    if (light->kind == GP_LIGHT_SPOT && light->outer < 1.5707963) {
+        r.cos = cos(light->outer);
+        r.sin = sin(light->outer);
+    }
+    r.box.lo = gp_v3_sub(r.from.p, (struct gp_v3) {reach_along(&r, -a.x),
+                                                   reach_along(&r, -a.y),
+                                                   reach_along(&r, -a.z)});
+    r.box.hi = gp_v3_add(r.from.p, (struct gp_v3) {reach_along(&r, a.x),
+                                                   reach_along(&r, a.y),
+                                                   reach_along(&r, a.z)});
+    return r;
+}
+
+/* True where an object's box is beyond the range, or its sphere is outside the
+ * cone. */
+static bool reach_misses(const struct reach *r, const struct gp_object *o)
+{
+    const struct gp_v3 e = gp_box_half(&o->box);
+    const struct gp_v3 v = gp_v3_sub(gp_box_middle(&o->box), r->from.p);
+    const double x = gp_maxd(fabs(v.x) - e.x, 0.0),
+                 y = gp_maxd(fabs(v.y) - e.y, 0.0),
+                 z = gp_maxd(fabs(v.z) - e.z, 0.0);
+    if (r->from.w * (x * x + y * y + z * z) > r->range * r->range)
+        return true;
+    const double along = gp_v3_dot(v, r->along);
+    const double aside = sqrt(fmax(0.0, gp_v3_dot(v, v) - along * along));
+    // distance before the cone's side; never over the distance from the cone
+    return r->sin != 0.0 && r->cos * aside - r->sin * along >
+                                o->radius + 1e-9 * (fabs(along) + aside);
+}
+
+/* False where the light's volume cannot meet a frustum. */
+static bool reach_meets(const struct reach *r, const struct volume *v)
+{
+    for (int i = 0; i < v->planes && r->from.w != 0.0; i++) {
+        const struct gp_half h = v->plane[i];
+        // the farthest point of ball, or cone, inwards
+        if (gp_half_at(h, r->from.p) -
+                reach_along(r, -gp_v3_dot(h.n, r->along)) > v->slack)
+            return false;
+    }
+    return true;
+}
+
+// -- bounds on the screen -----------------------------------------------------
+
+/* Bounds of points before the division: x and y in units of the display window,
+ * and w. */
+struct bounds {
+    double lo[3], hi[3];
+};
+
+static void widen(struct bounds *b, const double p[3])
+{
+    const double at[3] = {p[0] / p[2], p[1] / p[2], p[2]};
+    for (int c = 0; c < 3; c++) {
+        b->lo[c] = gp_mind(at[c], b->lo[c]);
+        b->hi[c] = gp_maxd(at[c], b->hi[c]);
+    }
+}
+
+/* Returns a whole number as an int, cut to what fits with room for a picture. */
+static int whole(double v)
+{
+    return (int) fmin(fmax(v, -1e9), 1e9);
+}
+
+/* Returns the pixels of the window whose centres may show the part of a box at
+ * v->near or beyond, and its depths. The box is not empty. */
+static struct gp_scissor box_project(const struct gp_sets_view *v,
+                                     const struct gp_box *box)
+{
+    const double *const m = v->camera.to_ndc;
+    const struct gp_rect d = v->display;
+    const double w = gp_rect_w(d), h = gp_rect_h(d);
+    struct bounds b = {{INFINITY, INFINITY, INFINITY},
+                       {-INFINITY, -INFINITY, -INFINITY}};
+    double at[8][3];
+    for (int i = 0; i < 8; i++) {
+        const struct gp_v3 p = gp_box_corner(box, i);
+        for (int c = 0; c < 3; c++) { // z has no part in it
+            const int k = c < 2 ? c : 3;
+            at[i][c] = p.x * m[k] + p.y * m[4 + k] + p.z * m[8 + k] + m[12 + k];
+        }
+        if (at[i][2] >= v->near)
+            widen(&b, at[i]);
+    }
+    // where an edge meets the plane at `near`, from corner i to i with bit k
+    for (int e = 0; e < 24; e++) {
+        const int i = e % 8, k = 1 << e / 8;
+        const double *const p = at[i], *const q = at[i | k];
+        if (i & k || (p[2] < v->near) == (q[2] < v->near))
+            continue;
+        const double t = (v->near - p[2]) / (q[2] - p[2]);
+        widen(&b, (const double[3]) {p[0] + t * (q[0] - p[0]),
+                                     p[1] + t * (q[1] - p[1]), v->near});
+    }
+    if (!(b.lo[2] <= b.hi[2]))
+        return (struct gp_scissor) {0};
+    return (struct gp_scissor) {
+        gp_rect_meet(v->window, (struct gp_rect) {
+            whole(floor(d.x0 + b.lo[0] * w)), whole(floor(d.y0 + b.lo[1] * h)),
+            whole(ceil(d.x0 + b.hi[0] * w)), whole(ceil(d.y0 + b.hi[1] * h))}),
+        b.lo[2], b.hi[2],
+    };
+}
+
+// -- depths by tiles ----------------------------------------------------------
+
+/* Parts by which depths may be wrong: 2^-10 holds those stored as half. */
+#define DEPTH_SLACK 0x1p-10
+
+enum { TILE = 16 }; // pixels a side
+
+/* Depths of the frame, by pixels and tiles; INFINITY where there is no
+ * surface. */
+struct depths {
+    struct gp_rect window;
+    int across, down;     // tiles; 0: no depth is known, nothing is hidden
+    float *pixel;         // owned
+    struct tile {
+        float least, most; // of all pixels
+        float deepest;     // of surfaces; 0: there is none
+    } *tile;              // owned
+};
+
+static void depths_free(struct depths *d)
+{
+    gp_free(d->pixel);
+    gp_free(d->tile);
+    *d = (struct depths) {0};
+}
+
+/* Copies depths, as of gp_sets_view; *out is empty on failure. */
+static gp_status depths_make(const struct gp_log *log, struct gp_rect window,
+                             const float *depth, struct depths *out)
+{
+    static const char what[] = "depths of the scene";
+    const int w = gp_rect_w(window), h = gp_rect_h(window);
+    struct depths d = {
+        .window = window, .across = (w + TILE - 1) / TILE,
+        .down = (h + TILE - 1) / TILE,
+    };
+    const size_t tiles = (size_t) d.across * (size_t) d.down;
+    gp_status st;
+    GP_TRY(gp_alloc(log, what, (size_t) w * (size_t) h, sizeof *d.pixel,
+                    &d.pixel));
+    GP_TRY(gp_alloc(log, what, tiles, sizeof *d.tile, &d.tile));
+    for (size_t i = 0; i < tiles; i++)
+        d.tile[i] = (struct tile) {.least = INFINITY};
+    for (int y = 0; y < h; y++) {
+        for (int x = 0; x < w; x++) {
+            const size_t i = (size_t) y * (size_t) w + (size_t) x;
+            struct tile *const t =
+                &d.tile[y / TILE * d.across + x / TILE];
+            const bool surface = depth[i] > 0.0f && depth[i] < GP_DEPTH_HUGE;
+            d.pixel[i] = surface ? depth[i] : INFINITY;
+            t->least = gp_minf(d.pixel[i], t->least);
+            t->most = gp_maxf(d.pixel[i], t->most);
+            t->deepest = gp_maxf(surface ? depth[i] : 0.0f, t->deepest);
+        }
+    }
+out:
+    if (st)
+        depths_free(&d);
+    *out = d;
+    return st;
+}
+
+/* Returns the greatest depth of a surface, with its slack; 0: there is none. */
+static double depths_deepest(const struct depths *d)
+{
+    double deepest = 0.0;
+    for (int i = 0; i < d->across * d->down; i++)
+        deepest = fmax(deepest, (double) d->tile[i].deepest);
+    return deepest * (1.0 + DEPTH_SLACK);
+}
+
+/* The tiles that pixels are in. */
+static struct gp_rect tiles_of(const struct depths *d, struct gp_rect r)
+{
+    const struct gp_rect w = d->window;
+    return (struct gp_rect) {
+        (r.x0 - w.x0) / TILE, (r.y0 - w.y0) / TILE,
+        (r.x1 - 1 - w.x0) / TILE + 1, (r.y1 - 1 - w.y0) / TILE + 1};
+}
+
+/* The pixels of a tile. */
+static struct gp_rect pixels_of(const struct depths *d, int x, int y)
+{
+    const struct gp_rect w = d->window;
+    return (struct gp_rect) {
+        w.x0 + x * TILE, w.y0 + y * TILE, w.x0 + (x + 1) * TILE,
+        w.y0 + (y + 1) * TILE};
+}
+
+/* True where all of some pixels are before `near`. */
+static bool all_before(const struct depths *d, struct gp_rect r, double near)
+{
+    const struct gp_rect w = d->window;
+    for (int y = r.y0; y < r.y1; y++) {
+        const float *const row =
+            d->pixel + (size_t) (y - w.y0) * (size_t) gp_rect_w(w);
+        for (int x = r.x0; x < r.x1; x++) {
+            if (!(near > (double) row[x - w.x0]))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* True where bounds are behind the surfaces of all of their pixels, or have none:
+ * no pixel's centre can show a part of what is in them. */
+static bool depths_hide(const struct depths *d, const struct gp_scissor *b)
+{
+    const double near = b->near * (1.0 - DEPTH_SLACK);
+    if (gp_rect_empty(b->rect))
+        return true;
+    const struct gp_rect all = tiles_of(d, b->rect);
+    for (int y = all.y0; y < all.y1; y++) {
+        for (int x = all.x0; x < all.x1; x++) {
+            if (!(near > (double) d->tile[y * d->across + x].most) &&
+                !all_before(d, gp_rect_meet(b->rect, pixels_of(d, x, y)), near))
+                return false;
+        }
+    }
+    return true;
+}
+
+// -- scissors -----------------------------------------------------------------
+
+static struct gp_scissor widened(struct gp_scissor s)
+{
+    s.near *= 1.0 - DEPTH_SLACK;
+    s.far *= 1.0 + DEPTH_SLACK;
+    return s;
+}
+
+/* Returns the part of bounds in the tiles that have depths in them, from the
+ * least to the greatest of these. Without depths all of it. */
+static struct gp_scissor depths_cut(const struct depths *d,
+                                    const struct gp_scissor *of)
+{
+    const struct gp_scissor s = widened(*of);
+    float least = INFINITY, most = -INFINITY;
+    struct gp_rect pixels = {0};
+    if (gp_rect_empty(s.rect))
+        return (struct gp_scissor) {0};
+    if (d->across == 0)
+        return s;
+    const struct gp_rect all = tiles_of(d, s.rect);
+    for (int y = all.y0; y < all.y1; y++) {
+        for (int x = all.x0; x < all.x1; x++) {
+            const struct tile *const t = &d->tile[y * d->across + x];
+            if (!((double) t->least <= s.far && (double) t->deepest >= s.near))
+                continue;
+            const struct gp_rect own = gp_rect_meet(s.rect, pixels_of(d, x, y));
+            pixels = gp_rect_empty(pixels) ? own : gp_rect_join(pixels, own);
+            least = gp_minf(t->least, least);
+            most = gp_maxf(t->deepest, most);
+        }
+    }
+    if (gp_rect_empty(pixels))
+        return (struct gp_scissor) {0};
+    return (struct gp_scissor) {pixels, fmax((double) least, s.near),
+                                fmin((double) most, s.far)};
+}
+
+/* Returns the bounds of n objects, those of `index`, within a light's (O'Rorke,
+ * GPU Gems 15.5). */
+static struct gp_scissor scissor_join(const struct gp_scissor *box,
+                                      const int *index, int n,
+                                      const struct gp_scissor *light)
+{
+    const struct gp_scissor l = widened(*light);
+    struct gp_scissor all = {0};
+    for (int i = 0; i < n; i++) {
+        const struct gp_scissor *const b = &box[index[i]];
+        const struct gp_scissor both = {gp_rect_meet(b->rect, l.rect),
+                                        fmax(b->near, l.near),
+                                        fmin(b->far, l.far)};
+        if (gp_rect_empty(both.rect) || both.near > both.far)
+            continue;
+        all = gp_rect_empty(all.rect)
+                  ? both
+                  : (struct gp_scissor) {gp_rect_join(all.rect, both.rect),
+                                         fmin(all.near, both.near),
+                                         fmax(all.far, both.far)};
+    }
+    return all;
+}
+
+// -- the frame's sets --------------------------------------------------------
 
 struct gp_sets {
     const struct gp_scene *scene;
     struct gp_sets_view view; // without its depth
     unsigned use;
-    struct gp_depths depths;   // across 0: none
-    struct gp_volume frustum;
+    struct depths depths;   // across 0: none
+    struct volume frustum;
     double far;                // along the view axis, over every box
     // of each object
     uint8_t *flag;
@@ -19,8 +464,6 @@ struct gp_sets {
     struct gp_scissor scissor;
     struct gp_umbras *umbras;
 };
-
-// -- the frame's sets --------------------------------------------------------
 
 /* Returns a distance along the view axis over that of every object. */
 static double far_of(const struct gp_scene *s, const struct gp_sets_view *v)
@@ -51,16 +494,16 @@ static void flag_frame(struct gp_sets *s)
         struct gp_scissor *const box = &s->box[i];
         s->flag[i] = 0;
         *box = (struct gp_scissor) {0};
-        if (gp_box_empty(*of) || gp_volume_misses(&s->frustum,
+        if (gp_box_empty(*of) || misses(&s->frustum,
                                                   gp_box_middle(of),
                                                   gp_box_half(of)))
             continue;
         s->flag[i] = GP_SET_F;
-        *box = gp_box_project(&s->view, of);
-        if (by_depth && gp_depths_hide(&s->depths, box))
+        *box = box_project(&s->view, of);
+        if (by_depth && depths_hide(&s->depths, box))
             continue;
         s->flag[i] |= GP_SET_V;
-        *box = gp_depths_cut(&s->depths, box);
+        *box = depths_cut(&s->depths, box);
     }
 }
 
@@ -68,17 +511,17 @@ gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
                        const float *depth)
 {
     gp_status st = GP_OK;
-    gp_depths_free(&s->depths);
+    depths_free(&s->depths);
     s->depths.window = s->view.window;
     if (depth && (s->use & (GP_SETS_OCCLUSION | GP_SETS_SCISSOR)))
-        st = gp_depths_make(log, s->view.window, depth, &s->depths);
+        st = depths_make(log, s->view.window, depth, &s->depths);
     if (st)
         return st;
     s->far = far_of(s->scene, &s->view);
     if (shows_depths(s))
-        s->far = fmax(s->far, gp_depths_deepest(&s->depths));
+        s->far = fmax(s->far, depths_deepest(&s->depths));
     const struct gp_scissor all = {s->view.window, s->view.near, s->far};
-    s->frustum = gp_hull(&s->view, &all, NULL);
+    s->frustum = hull_of(&s->view, &all, NULL);
     flag_frame(s);
     return GP_OK;
 }
@@ -116,7 +559,7 @@ void gp_sets_close(struct gp_sets **sets)
         gp_free(s->box);
         gp_free(s->lit);
         gp_umbras_close(&s->umbras);
-        gp_depths_free(&s->depths);
+        depths_free(&s->depths);
     }
     GP_FREE(*sets);
 }
@@ -125,7 +568,7 @@ void gp_sets_close(struct gp_sets **sets)
 
 /* Returns half the sides of an object's box, wider by what lookups in a map of
  * shadows may be off. */
-static struct gp_v3 wide_half(const struct gp_sets *s, const struct gp_reach *r,
+static struct gp_v3 wide_half(const struct gp_sets *s, const struct reach *r,
                               const struct gp_object *o)
 {
     const struct gp_v3 e = gp_box_half(&o->box);
@@ -136,12 +579,12 @@ static struct gp_v3 wide_half(const struct gp_sets *s, const struct gp_reach *r,
 }
 
 /* Flags the objects in reach as L. False: nothing of V is. */
-static bool flag_reached(struct gp_sets *s, const struct gp_reach *r)
+static bool flag_reached(struct gp_sets *s, const struct reach *r)
 {
     bool any = false;
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
-        if (gp_box_empty(o->box) || gp_reach_misses(r, o))
+        if (gp_box_empty(o->box) || reach_misses(r, o))
             continue;
         s->flag[i] |= GP_SET_L;
         any |= (s->flag[i] & GP_SET_V) != 0;
@@ -150,7 +593,7 @@ static bool flag_reached(struct gp_sets *s, const struct gp_reach *r)
 }
 
 /* Takes objects in an umbra out of L, and lists I. */
-static void find_lit(struct gp_sets *s, const struct gp_reach *r)
+static void find_lit(struct gp_sets *s, const struct reach *r)
 {
     gp_umbras_light(s->umbras, s->use & GP_SETS_LIGHTS ? s->flag : NULL,
                     r->from);
@@ -168,19 +611,19 @@ static void find_lit(struct gp_sets *s, const struct gp_reach *r)
 
 /* Flags I, and S: of L, what meets the hull of the light and of what it
  * lights. */
-static void flag_light(struct gp_sets *s, const struct gp_reach *r,
+static void flag_light(struct gp_sets *s, const struct reach *r,
                        const struct gp_scissor *lit)
 {
     struct gp_scissor wide = *lit;
     wide.near *= 1.0 - 1e-6;
     wide.far *= 1.0 + 1e-6;
-    const struct gp_volume hull = gp_hull(&s->view, &wide, &r->from);
+    const struct volume hull = hull_of(&s->view, &wide, &r->from);
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         const struct gp_v3 c = gp_box_middle(&o->box);
         if ((s->flag[i] & GP_SET_L) &&
             (!(s->use & GP_SETS_SHADOWS) ||
-             !gp_volume_misses(&hull, c, wide_half(s, r, o))))
+             !misses(&hull, c, wide_half(s, r, o))))
             s->flag[i] |= GP_SET_S;
     }
     for (int k = 0; k < s->lits; k++)
@@ -190,21 +633,21 @@ static void flag_light(struct gp_sets *s, const struct gp_reach *r,
 struct gp_scissor gp_sets_light(struct gp_sets *s, int light)
 {
     const struct gp_sets_view *const v = &s->view;
-    const struct gp_reach r = gp_light_reach(&s->scene->light[light]);
+    const struct reach r = reach_of(&s->scene->light[light]);
     const bool any = shows_depths(s);
     for (int i = 0; i < s->scene->objects; i++)
         s->flag[i] &= GP_SET_F | GP_SET_V;
     s->scissor = (struct gp_scissor) {0};
     s->lits = 0;
-    if (!gp_reach_meets(&r, &s->frustum) || (!flag_reached(s, &r) && !any))
+    if (!reach_meets(&r, &s->frustum) || (!flag_reached(s, &r) && !any))
         return s->scissor;
     find_lit(s, &r);
     const struct gp_scissor bounds =
-        isfinite(r.range) ? gp_box_project(v, &r.box)
+        isfinite(r.range) ? box_project(v, &r.box)
                           : (struct gp_scissor) {v->window, v->near, INFINITY};
     struct gp_scissor lit =
-        any ? bounds : gp_scissor_join(s->box, s->lit, s->lits, &bounds);
-    lit = gp_depths_cut(&s->depths, &lit);
+        any ? bounds : scissor_join(s->box, s->lit, s->lits, &bounds);
+    lit = depths_cut(&s->depths, &lit);
     const bool cut = s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
     if ((s->lits == 0 && !any) || (cut && gp_rect_empty(lit.rect)))
         return s->scissor;

@@ -2,12 +2,10 @@
  * which objects matter to a frame and to each of its lights, the paper's
  * renderer, and its Table 15-1.
  *
- *   hull      volumes: what a camera sees, its hull with a light (15.4.4), what
- *             a light reaches
+ *   sets      V, L, I, F, S by flags on objects (15.4.3, second way), the hull
+ *             of frustum and light (15.4.4), the part of the picture that a
+ *             light can change, by tiles of the frame's depth (15.5)
  *   umbra     convex occluders and the space that they keep dark
- *   scissor   the frame's depth by tiles, and the part of the picture that a
- *             light can change (15.5)
- *   sets      V, L, I, F, S by flags on objects (15.4.3, second way)
  *   draw      the renderer on GL (15.2.2)
  *   table     Table 15-1
  *   picture   pictures to look at: scissors, and the sets from above

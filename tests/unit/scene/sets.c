@@ -34,7 +34,7 @@ static uint64_t first_seed(void)
 /* Counts of objects over all scenes. */
 struct sum {
     long objects, f, v, seen;   // of frames
-    long reach, l, i, lit, s, casting; // of lights
+    long l, i, lit, s, casting; // of lights
     int off, lights;
 };
 
@@ -73,9 +73,7 @@ static void check_light(const struct gp_scene *s, const struct shot *shot,
                          y, first);
         }
     }
-    const struct gp_reach r = gp_light_reach(from);
     for (int i = 0; i < s->objects; i++) {
-        sum->reach += !gp_reach_misses(&r, &s->object[i]);
         sum->l += (flag[i] & GP_SET_L) != 0;
         sum->i += (flag[i] & GP_SET_I) != 0;
         sum->s += (flag[i] & GP_SET_S) != 0;
@@ -159,12 +157,12 @@ static struct sum check_scenes(int scenes, uint64_t first, int size)
         made_free(&s);
     }
     print_message("# sets: %d scenes, %d lights, %d of them off screen; "
-                  "objects: %ld, F %ld, V %ld, seen by rays %ld; of lights: in "
-                  "reach %ld, L %ld, I %ld, lit by rays %ld, S %ld, casting by "
+                  "objects: %ld, F %ld, V %ld, seen by rays %ld; of lights: "
+                  "L %ld, I %ld, lit by rays %ld, S %ld, casting by "
                   "rays %ld\n", scenes, n.lights, n.off, n.objects, n.f, n.v,
-                  n.seen, n.reach, n.l, n.i, n.lit, n.s, n.casting);
+                  n.seen, n.l, n.i, n.lit, n.s, n.casting);
     // it is of use
-    assert_true(n.v < n.f && n.f < n.objects && n.l < n.reach && n.s < n.l);
+    assert_true(n.v < n.f && n.f < n.objects && n.s < n.l);
     return n;
 }
 
