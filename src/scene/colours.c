@@ -13,43 +13,33 @@ static const float ALIKE = 0.1f;
 
 enum { FEW = 8 }; // pixels of a material that are too few to know it
 
-static int by_channel(const struct gp_shade *a, const struct gp_shade *b, int c)
+static int by_material(const void *a, const void *b)
 {
-    if (a->material != b->material)
-        return a->material < b->material ? -1 : 1;
-    return (a->albedo[c] > b->albedo[c]) - (a->albedo[c] < b->albedo[c]);
+    const struct gp_shade *const x = a, *const y = b;
+    return (x->material > y->material) - (x->material < y->material);
 }
 
-static int by_red(const void *a, const void *b)
+static int by_value(const void *a, const void *b)
 {
-    return by_channel(a, b, 0);
+    const float x = *(const float *) a, y = *(const float *) b;
+    return (x > y) - (x < y);
 }
 
-static int by_green(const void *a, const void *b)
-{
-    return by_channel(a, b, 1);
-}
-
-static int by_blue(const void *a, const void *b)
-{
-    return by_channel(a, b, 2);
-}
-
-/* Sets a channel of each material from its sorted pixels; adds to sums of the
- * pixels' albedo and of base colours. */
+/* Sets a channel of each material from its pixels, sorted by material; adds to
+ * sums of the pixels' albedo and of base colours. `v` has room for all pixels. */
 static void set_channel(const struct gp_scene *s, const struct gp_shade *shade,
-                        size_t n, int c, struct gp_colours *out, double sum[2])
+                        size_t n, int c, float *v, struct gp_colours *out,
+                        double sum[2])
 {
     for (size_t i = 0, end; i < n; i = end) {
         const int m = shade[i].material;
-        for (end = i + 1; end < n && shade[end].material == m;)
-            end++;
+        for (end = i; end < n && shade[end].material == m; end++)
+            v[end - i] = shade[end].albedo[c];
         const size_t k = end - i;
         if (m < 0 || k < FEW)
             continue;
-        const float median = shade[i + k / 2].albedo[c];
-        const float spread =
-            shade[i + k * 3 / 4].albedo[c] - shade[i + k / 4].albedo[c];
+        qsort(v, k, sizeof *v, by_value);
+        const float median = v[k / 2], spread = v[k * 3 / 4] - v[k / 4];
         out->of[m][c] = (double) median;
         out->many[m] |= spread > ALIKE * median;
         sum[0] += (double) k * (double) median;
@@ -75,22 +65,21 @@ gp_status gp_colours_make(const struct gp_log *log, const struct gp_scene *s,
                           struct gp_shade *shade, size_t n,
                           struct gp_colours *out)
 {
-    static int (*const order[])(const void *, const void *) = {by_red, by_green,
-                                                               by_blue};
     struct gp_colours made = {.unit = 1.0};
     const size_t materials = (size_t) s->materials + 1;
     const double mean = mean_of(shade, n);
     double sum[2] = {0};
+    float *v = NULL;
     gp_status st;
     *out = made;
+    GP_TRY(gp_alloc(log, "shades", n, sizeof *v, &v));
     GP_TRY(gp_alloc(log, "materials", materials, sizeof *made.of, &made.of));
     GP_TRY(gp_alloc_zero(log, "materials", materials, 1, &made.many));
     for (int m = 0; m < s->materials; m++)
         made.of[m][0] = made.of[m][1] = made.of[m][2] = -1.0;
-    for (int c = 0; c < 3; c++) {
-        qsort(shade, n, sizeof *shade, order[c]);
-        set_channel(s, shade, n, c, &made, sum);
-    }
+    qsort(shade, n, sizeof *shade, by_material);
+    for (int c = 0; c < 3; c++)
+        set_channel(s, shade, n, c, v, &made, sum);
     if (sum[0] > 0.0 && sum[1] > 0.0)
         made.unit = sum[0] / sum[1];
     else if (mean > 0.0)
@@ -104,6 +93,7 @@ gp_status gp_colours_make(const struct gp_log *log, const struct gp_scene *s,
     *out = made;
     made = (struct gp_colours){0};
 out:
+    gp_free(v);
     gp_colours_free(&made);
     return st;
 }

@@ -10,21 +10,6 @@
 /* Rounding of a plane's distance, in parts of the largest coordinate. */
 static const double SLACK = 1e-9;
 
-bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
-                  struct gp_v3 inside, struct gp_half *out)
-{
-    const struct gp_v3 n = gp_v3_cross(a, b);
-    const double length = gp_v3_length(n);
-    *out = (struct gp_half) {0};
-    if (!(length > 1e-9 * gp_v3_length(a) * gp_v3_length(b)))
-        return false;
-    out->n = gp_v3_scale(n, 1.0 / length);
-    out->d = -gp_v3_dot(out->n, p);
-    if (gp_half_at(*out, inside) > 0.0)
-        *out = (struct gp_half) {gp_v3_scale(out->n, -1.0), -out->d};
-    return true;
-}
-
 /* The intersection of half-spaces, and a box around it; a frustum has 6, a hull
  * with a point at most 6 and one for each edge. */
 struct volume {

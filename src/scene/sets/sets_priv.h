@@ -7,7 +7,7 @@
 #include "scene/bounds.h"
 #include "scene/sets/sets.h"
 
-// -- planes (sets.c) ----------------------------------------------------------
+// -- planes, umbras (umbra.c) -------------------------------------------------
 
 /* A light's place for hulls and umbras: at w = 1 a point, at w = 0 the unit
  * direction to a light at infinity. */
@@ -50,8 +50,6 @@ static inline double gp_half_reach(struct gp_half h, struct gp_v3 e)
  * one line, and *out is all of space. */
 bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
                   struct gp_v3 inside, struct gp_half *out);
-
-// -- umbras (umbra.c) ---------------------------------------------------------
 
 /* Bodies of a scene's meshes, and the umbras that they throw before one light: a
  * body is a closed convex polyhedron of at most 64 points, opaque everywhere. */

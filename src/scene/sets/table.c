@@ -164,19 +164,12 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
 static gp_status draw_row(struct rows *w, enum gp_table_kind kind,
                           struct gp_table_row *row)
 {
-    static const unsigned uses[GP_TABLE_ROWS] = {
-        [GP_TABLE_FRUSTUM] = 0,
-        [GP_TABLE_OCCLUSION] = GP_SETS_OCCLUSION,
-        [GP_TABLE_LIGHTS] = GP_SETS_OCCLUSION | GP_SETS_LIGHTS,
-        [GP_TABLE_SHADOWS] =
-            GP_SETS_OCCLUSION | GP_SETS_LIGHTS | GP_SETS_SHADOWS,
-        [GP_TABLE_SCISSOR] = GP_SETS_ALL,
-    };
+    const unsigned use = (1u << kind) - 1u; // a part more than the row before
     struct gp_sets *sets = NULL;
     gp_status st;
     *row = (struct gp_table_row) {.fragments = -1};
     gp_drawing_clear(w->d);
-    GP_TRY(draw_visible(w, uses[kind], &sets));
+    GP_TRY(draw_visible(w, use, &sets));
     row->visible = list_set(w, sets, GP_SET_V, 0, w->s->objects, w->list);
     row->batches = gp_sets_batches(sets, GP_SET_V);
     for (int i = 0; i < w->s->lights; i++)

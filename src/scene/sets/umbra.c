@@ -36,6 +36,21 @@ struct gp_umbras {
     int n;
 };
 
+bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
+                  struct gp_v3 inside, struct gp_half *out)
+{
+    const struct gp_v3 n = gp_v3_cross(a, b);
+    const double length = gp_v3_length(n);
+    *out = (struct gp_half) {0};
+    if (!(length > 1e-9 * gp_v3_length(a) * gp_v3_length(b)))
+        return false;
+    out->n = gp_v3_scale(n, 1.0 / length);
+    out->d = -gp_v3_dot(out->n, p);
+    if (gp_half_at(*out, inside) > 0.0)
+        *out = (struct gp_half) {gp_v3_scale(out->n, -1.0), -out->d};
+    return true;
+}
+
 // -- bodies ------------------------------------------------------------------
 
 static const double ON = 1e-5; // of the size of the body: floats of a file
