@@ -51,16 +51,12 @@ struct gp_relit {
  * light has no d, window and cone. The cosine is that of the pixel's normal,
  * made 1 long.
  *
- * Colour, normal and albedo of a frame are means over a pixel and a little
- * beside it; depth is one sample. A pixel inside a surface takes one ray for its
- * shadow. Where a shadow ends, and at edges, 64 places have the density of
- * Blender's filter (Blackman and Harris, 3 pixels wide). At edges they show the
- * scene's own surfaces, if these have nearly the pixel's mean normal and albedo,
- * in shares that have them; else the pixel counts as its own surface. (Taking
- * its mean apart into surfaces beside it was 0.007 worse on the street.) Albedo
- * of the scene's materials is that which the frame shows of them, so that the
- * light added is proportional to the frame's albedo.
- * The surfaces of a pixel are found once for all passes.
+ * A pixel inside a surface takes one ray for its shadow. Where a shadow ends, and
+ * at edges, 64 places have the density of Blender's filter. At edges they show
+ * the scene's own surfaces, if these have nearly the pixel's mean normal and
+ * albedo, in shares that have them; else its mean is taken apart into the two
+ * surfaces beside it. Albedo of the scene's materials is that which the frame
+ * shows of them, so that the light added is proportional to the frame's albedo.
  *   meshes  of this scene, kept from call to call
  *   passes  of pass[] and out[], at most GP_RELIGHT_PASSES
  *   out     facts; written on GP_OK only

@@ -1,17 +1,6 @@
 /* scene: what a frame alone cannot give (O'Rorke, GPU Gems 15): lights that are
  * off screen or hidden, and the objects before them, from a glTF 2.0 file.
  *
- *   gltf/          the reader: file (.glb and .gltf, their buffers and images,
- *                  bounds first), accessor (numbers from buffers), mesh
- *                  (materials, cut-outs, triangles), node (nodes, lights,
- *                  cameras), anim (places of nodes at a time), camera (beside
- *                  the frame's)
- *   rays           rays through triangles, in double
- *   eye            objects between the eye and a light's disc, and the share of
- *                  it that they leave clear
- *   relight        the frame lit by the scene's lights
- *   sets/          the paper: sets, the renderer, its table
- *
  * The scene's world is the frame's: gltf/ turns glTF's (y up) to it. Units are
  * the file's, metres by glTF. Matrices are for row vectors, p' = p * m,
  * m[4 * row + column], as in core/camera.h.

@@ -407,9 +407,7 @@ static gp_status walk_meshes(struct walk *w)
         size_t k;
         gp_gltf_place(w->g, "mesh", i, &at);
         mesh->first = w->submeshes;
-        mesh->box = (struct gp_box) {
-            {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
-        };
+        mesh->box = GP_BOX_EMPTY;
         if (!json_is_array(list))
             return gp_gltf_fail(&at, "no \"primitives\"");
         json_array_foreach (list, k, primitive) {

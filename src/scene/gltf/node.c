@@ -2,6 +2,7 @@
 #include "scene/gltf/gltf_priv.h"
 
 #include "core/memory.h"
+#include "scene/bounds.h"
 
 #include <limits.h>
 #include <math.h>
@@ -271,7 +272,7 @@ static gp_status place_node(struct gp_gltf *g, int index,
     g->odd[GP_GLTF_SKINS] |= json_object_get(o, "skin") != NULL;
     g->odd[GP_GLTF_COPIES] |= copies && mesh >= 0;
     g->odd[GP_GLTF_HIDDEN] |= json_is_false(json_object_get(seen, "visible"));
-    if (mesh >= 0 && out->mesh[mesh].box.lo.x <= out->mesh[mesh].box.hi.x)
+    if (mesh >= 0 && !gp_box_empty(out->mesh[mesh].box))
         out->object[out->objects++] =
             (struct gp_object) {.mesh = mesh, .node = index};
     if (light >= 0) {

@@ -2,14 +2,6 @@
  * which objects matter to a frame and to each of its lights, the paper's
  * renderer, and its Table 15-1.
  *
- *   sets      V, L, I, F, S by flags on objects (15.4.3, second way), the hull
- *             of frustum and light (15.4.4), the part of the picture that a
- *             light can change, by tiles of the frame's depth (15.5)
- *   umbra     convex occluders and the space that they keep dark
- *   draw      the renderer on GL (15.2.2)
- *   table     Table 15-1
- *   picture   pictures to look at: scissors, and the sets from above
- *
  * Every set is conservative: an object that a visible point, or a ray from one
  * to a light, meets is in it; some are in it in vain.
  *
