@@ -266,7 +266,6 @@ static void cast(struct samples *s, struct gp_eye_share *out)
         sum.outside += s->row[y].outside;
         sum.clear += s->row[y].clear;
     }
-    out->samples = s->side;
     out->outside = sum.outside / sum.all;
     out->clear = sum.outside > 0.0 ? fmin(sum.clear / sum.outside, 1.0) : 1.0;
     // a cell's ray is one draw of its share p: p (1 - p) is at most 1/4
@@ -290,8 +289,8 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
     level->measure = measure_of(d, window);
     const bool whole = !level->measure.cut && inside(&level->measure, d->to);
     share.outside = whole ? 0.0 : 1.0;
-    share.objects = whole ? 0 : list_objects(s, d, object);
-    GP_TRY(gp_rays_make(log, s, meshes, object, share.objects, &level->rays));
+    const int objects = whole ? 0 : list_objects(s, d, object);
+    GP_TRY(gp_rays_make(log, s, meshes, object, objects, &level->rays));
     // without a triangle nothing is before it
     const bool any = level->measure.cut || level->rays.tree.n > 0;
     for (int n = 0; any && n < levels && (n == 0 || share.error > GOOD); n++) {

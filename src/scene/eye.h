@@ -39,8 +39,6 @@ struct gp_eye_share {
     double outside; // share of the disc outside the window, 0 to 1
     double error;   // of `clear`: one standard deviation of the samples, at
                     // most
-    int samples;    // a side, of the disc's square; 0: no object is before it
-    int objects;    // of E
 };
 
 /* Casts rays in double through the triangles of E; materials are tested as

@@ -297,11 +297,11 @@ void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
 
 void gp_scene_pose(struct gp_scene *s, double seconds)
 {
-    static const double upright[16] = {1, 0, 0, 0, 0, 1, 0, 0,
-                                       0, 0, 1, 0, 0, 0, 0, 1};
-    // glTF's (x, y, z) to (x, -z, y)
-    static const double turned[16] = {1, 0, 0, 0, 0, 0, 1, 0,
-                                      0, -1, 0, 0, 0, 0, 0, 1};
+    // of the root: glTF's (x, y, z), or (x, -z, y)
+    static const double root[2][16] = {
+        {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+        {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1},
+    };
     struct gp_scene_nodes *const nodes = s->nodes;
     if (!nodes)
         return; // made in memory
@@ -319,10 +319,8 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
         struct gp_scene_node *const n = &nodes->at[nodes->order[i]];
         if (!n->matrix)
             matrix_of(n, n->local);
-        gp_matrix_mul(n->local,
-                      n->parent >= 0  ? nodes->at[n->parent].world
-                      : nodes->turned ? turned
-                                      : upright,
+        gp_matrix_mul(n->local, n->parent >= 0 ? nodes->at[n->parent].world
+                                               : root[nodes->turned],
                       n->world);
         keep_within(n->world);
     }

@@ -35,7 +35,6 @@ gp_status gp_scene_no_camera(const struct gp_log *log, const struct gp_scene *s,
                              const char *name)
 {
     char names[512] = "(it has none)"; // cut to fit
-    const int n = count_named(s, name);
     size_t at = 0;
     for (int i = 0; i < s->cameras && at < sizeof names; i++) {
         const struct gp_scene_camera *const c = &s->camera[i];
@@ -46,13 +45,9 @@ gp_status gp_scene_no_camera(const struct gp_log *log, const struct gp_scene *s,
                             : snprintf(names + at, sizeof names - at, "%s%s",
                                        comma, c->name));
     }
-    if (n > 1)
-        return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has %d "
-                          "cameras of that name (found \"%s\"), tell them "
-                          "apart by node: %s", s->path, n, name, names);
-    return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has no camera of "
+    return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has %d cameras of "
                       "that name (found \"%s\"), it has: %s", s->path,
-                      name, names);
+                      count_named(s, name), name, names);
 }
 
 gp_status gp_scene_camera_make(const struct gp_log *log,

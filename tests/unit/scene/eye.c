@@ -83,7 +83,6 @@ static void leaves_with_holes(void **state)
             gp_eye_sun((struct gp_v3) {eye[i][0], eye[i][1], eye[i][2]},
                        (struct gp_v3) {0, 1, 0}, 0.05);
         const struct gp_eye_share got = share_of(&s, &d, NULL);
-        assert_int_equal(got.samples, 256);
         near_to("half", got.clear, 0.5, 0.01);
         assert_true(got.error < 0.002);
         s.material[holes].cutoff = 0.0f; // opaque everywhere
@@ -248,8 +247,6 @@ static void copies_of_a_large_mesh(void **state)
     const struct gp_eye_share want = share_of(&coarse, &d, NULL);
     assert_true(want.clear > 0.5 && want.clear < 0.99);
     near_to("copies", got.clear, want.clear, 1e-9);
-    assert_int_equal(got.samples, want.samples);
-    assert_int_equal(got.objects, COPIES);
     made_free(&fine);
     made_free(&coarse);
 }
