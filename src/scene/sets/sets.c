@@ -253,59 +253,43 @@ static struct gp_scissor box_project(const struct gp_sets_view *v,
 
 enum { TILE = 16 }; // pixels a side
 
-/* Depths of the frame, by pixels and tiles; INFINITY where there is no
- * surface. */
+/* Depths of the frame, by pixels and tiles; INFINITY where there is no surface. */
 struct depths {
     struct gp_rect window;
     int across, down;     // tiles; 0: no depth is known, nothing is hidden
-    float *pixel;         // owned
+    const float *pixel;   // as of gp_sets_view; borrowed
     struct tile {
         float least, most; // of all pixels
         float deepest;     // of surfaces; 0: there is none
     } *tile;              // owned
 };
 
-static void depths_free(struct depths *d)
-{
-    gp_free(d->pixel);
-    gp_free(d->tile);
-    *d = (struct depths) {0};
-}
-
-/* Copies depths, as of gp_sets_view; *out is empty on failure. */
+/* Finds the tiles of depths; `out` is zero, and stays so on failure. */
 static gp_status depths_make(const struct gp_log *log, struct gp_rect window,
                              const float *depth, struct depths *out)
 {
-    static const char what[] = "depths of the scene";
     const int w = gp_rect_w(window), h = gp_rect_h(window);
-    struct depths d = {
-        .window = window, .across = (w + TILE - 1) / TILE,
-        .down = (h + TILE - 1) / TILE,
-    };
-    const size_t tiles = (size_t) d.across * (size_t) d.down;
-    gp_status st;
-    GP_TRY(gp_alloc(log, what, (size_t) w * (size_t) h, sizeof *d.pixel,
-                    &d.pixel));
-    GP_TRY(gp_alloc(log, what, tiles, sizeof *d.tile, &d.tile));
+    const int across = (w + TILE - 1) / TILE, down = (h + TILE - 1) / TILE;
+    const size_t tiles = (size_t) across * (size_t) down;
+    struct tile *tile;
+    const gp_status st = gp_alloc(log, "depths of the scene", tiles,
+                                  sizeof *tile, &tile);
+    if (st)
+        return st;
+    *out = (struct depths) {window, across, down, depth, tile};
     for (size_t i = 0; i < tiles; i++)
-        d.tile[i] = (struct tile) {.least = INFINITY};
+        tile[i] = (struct tile) {.least = INFINITY};
     for (int y = 0; y < h; y++) {
         for (int x = 0; x < w; x++) {
-            const size_t i = (size_t) y * (size_t) w + (size_t) x;
-            struct tile *const t =
-                &d.tile[y / TILE * d.across + x / TILE];
-            const bool surface = depth[i] > 0.0f && depth[i] < GP_DEPTH_HUGE;
-            d.pixel[i] = surface ? depth[i] : INFINITY;
-            t->least = gp_minf(d.pixel[i], t->least);
-            t->most = gp_maxf(d.pixel[i], t->most);
-            t->deepest = gp_maxf(surface ? depth[i] : 0.0f, t->deepest);
+            const float z = depth[(size_t) y * (size_t) w + (size_t) x];
+            struct tile *const t = &tile[y / TILE * across + x / TILE];
+            const bool surface = z > 0.0f && z < GP_DEPTH_HUGE;
+            t->least = gp_minf(surface ? z : INFINITY, t->least);
+            t->most = gp_maxf(surface ? z : INFINITY, t->most);
+            t->deepest = gp_maxf(surface ? z : 0.0f, t->deepest);
         }
     }
-out:
-    if (st)
-        depths_free(&d);
-    *out = d;
-    return st;
+    return GP_OK;
 }
 
 /* Returns the greatest depth of a surface, with its slack; 0: there is none. */
@@ -335,7 +319,7 @@ static struct gp_rect pixels_of(const struct depths *d, int x, int y)
         w.y0 + (y + 1) * TILE};
 }
 
-/* True where all of some pixels are before `near`. */
+/* True where all of some pixels have surfaces before `near`. */
 static bool all_before(const struct depths *d, struct gp_rect r, double near)
 {
     const struct gp_rect w = d->window;
@@ -343,7 +327,8 @@ static bool all_before(const struct depths *d, struct gp_rect r, double near)
         const float *const row =
             d->pixel + (size_t) (y - w.y0) * (size_t) gp_rect_w(w);
         for (int x = r.x0; x < r.x1; x++) {
-            if (!(near > (double) row[x - w.x0]))
+            const float z = row[x - w.x0];
+            if (!(z > 0.0f && z < GP_DEPTH_HUGE && near > (double) z))
                 return false;
         }
     }
@@ -496,8 +481,8 @@ gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
                        const float *depth)
 {
     gp_status st = GP_OK;
-    depths_free(&s->depths);
-    s->depths.window = s->view.window;
+    gp_free(s->depths.tile);
+    s->depths = (struct depths) {0};
     if (depth && (s->use & (GP_SETS_OCCLUSION | GP_SETS_SCISSOR)))
         st = depths_make(log, s->view.window, depth, &s->depths);
     if (st)
@@ -544,7 +529,7 @@ void gp_sets_close(struct gp_sets **sets)
         gp_free(s->box);
         gp_free(s->lit);
         gp_umbras_close(&s->umbras);
-        depths_free(&s->depths);
+        gp_free(s->depths.tile);
     }
     GP_FREE(*sets);
 }
