@@ -88,14 +88,9 @@ gp_status gp_gltf_index(const struct gp_gltf *g, const struct gp_gltf_at *at,
     return st;
 }
 
-gp_status gp_gltf_extension(const struct gp_gltf_at *at, json_t *o,
-                            const char *name, json_t **out)
+json_t *gp_gltf_extension(json_t *o, const char *name)
 {
-    json_t *const all = json_object_get(o, "extensions");
-    *out = json_object_get(all, name);
-    if ((all && !json_is_object(all)) || (*out && !json_is_object(*out)))
-        return gp_gltf_fail(at, "\"extensions\" holds no object (%s)", name);
-    return GP_OK;
+    return json_object_get(json_object_get(o, "extensions"), name);
 }
 
 void gp_gltf_name(json_t *o, char out[GP_SCENE_NAME])
@@ -201,7 +196,7 @@ static gp_status read_buffer(struct gp_gltf *g, int index)
 {
     struct gp_gltf_buffer *const b = &g->buffer[index];
     struct gp_gltf_at at;
-    json_t *const o = gp_gltf_item(g, "buffers", index), *meshopt;
+    json_t *const o = gp_gltf_item(g, "buffers", index);
     const char *uri = NULL;
     char *file = NULL;
     uint64_t size;
@@ -210,8 +205,7 @@ static gp_status read_buffer(struct gp_gltf *g, int index)
     gp_gltf_place(g, "buffer", index, &at);
     GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &declared, NULL));
     GP_TRY(gp_json_text(&at.p, o, "uri", &uri, NULL));
-    GP_TRY(gp_gltf_extension(&at, o, "EXT_meshopt_compression", &meshopt));
-    if (!uri && meshopt)
+    if (!uri && gp_gltf_extension(o, "EXT_meshopt_compression"))
         return GP_OK; // a fallback without bytes: who uses it gets none
     if (!uri && index == 0 && g->chunk.at) {
         b->span = g->chunk;

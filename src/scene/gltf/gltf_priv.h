@@ -79,10 +79,8 @@ GP_MUST_CHECK gp_status gp_gltf_index(
     const struct gp_gltf *g, const struct gp_gltf_at *at, json_t *o,
     const char *key, const char *list, int *out);
 
-/* The object of an extension of `o`, or NULL. Errors: GP_ERR_DATA it is no
- * object. */
-GP_MUST_CHECK gp_status gp_gltf_extension(const struct gp_gltf_at *at,
-    json_t *o, const char *name, json_t **out);
+/* An extension of `o`, or NULL. */
+json_t *gp_gltf_extension(json_t *o, const char *name);
 
 /* Copies the name of `o`, printable, cut to fit; "" where it has none. */
 void gp_gltf_name(json_t *o, char out[GP_SCENE_NAME]);

@@ -95,13 +95,10 @@ static json_t *base_texture(json_t *material)
 static gp_status read_glass(struct gp_gltf *g, const struct gp_gltf_at *at,
                             json_t *o, int *texture, struct gp_material *m)
 {
+    json_t *const glass = gp_gltf_extension(o, "KHR_materials_transmission");
     double factor = 0.0;
-    json_t *glass;
-    gp_status st = gp_gltf_extension(at, o, "KHR_materials_transmission",
-                                     &glass);
-    if (!st && glass)
-        st = gp_json_number(&at->p, glass, "transmissionFactor", 0.0, 1.0,
-                            &factor, NULL);
+    const gp_status st = gp_json_number(&at->p, glass, "transmissionFactor",
+                                        0.0, 1.0, &factor, NULL);
     if (st || !(factor > 0.0))
         return st;
     const bool textured = json_object_get(glass, "transmissionTexture");
@@ -301,8 +298,8 @@ static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
                          json_t *attributes, int material, struct uv_of *uv)
 {
     json_t *const base = base_texture(gp_gltf_item(w->g, "materials", material));
+    json_t *const o = gp_gltf_extension(base, "KHR_texture_transform");
     struct gp_gltf_at of;
-    json_t *o;
     char key[32];
     int set = 0;
     gp_status st;
@@ -311,7 +308,6 @@ static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
         return GP_OK;
     gp_gltf_place(w->g, "material", material, &of);
     GP_TRY(gp_json_int(&of.p, base, "texCoord", 0, 99, &set, NULL));
-    GP_TRY(gp_gltf_extension(&of, base, "KHR_texture_transform", &o));
     uv->moved = o ? material : -1;
     GP_TRY(gp_json_int(&of.p, o, "texCoord", 0, 99, &set, NULL));
     GP_TRY(gp_json_numbers(&of.p, o, "scale", 2, -1e6, 1e6, uv->scale, NULL));
@@ -346,7 +342,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
 {
     struct gp_gltf *const g = w->g;
     struct gp_gltf_accessor a, index;
-    json_t *const attributes = json_object_get(o, "attributes"), *draco;
+    json_t *const attributes = json_object_get(o, "attributes");
     struct uv_of uv;
     int mode = 4, positions, indices, material;
     gp_status st;
@@ -357,7 +353,6 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
                          &positions));
     GP_TRY(gp_gltf_index(g, at, o, "indices", "accessors", &indices));
     GP_TRY(gp_gltf_index(g, at, o, "material", "materials", &material));
-    GP_TRY(gp_gltf_extension(at, o, "KHR_draco_mesh_compression", &draco));
     w->drawn = w->drawn || mode < 4;
     g->odd[GP_GLTF_MORPHS] |= json_object_get(o, "targets") != NULL;
     if (mode < 4 || positions < 0)
@@ -368,7 +363,8 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
     GP_TRY(gp_gltf_accessor(g, positions, &a));
     if (indices >= 0)
         GP_TRY(gp_gltf_accessor(g, indices, &index));
-    if (draco && (!a.all.at || (indices >= 0 && !index.all.at)))
+    if (gp_gltf_extension(o, "KHR_draco_mesh_compression") &&
+        (!a.all.at || (indices >= 0 && !index.all.at)))
         GP_TRY(gp_gltf_fail(at, "its triangles are compressed (Draco), which "
                             "is not supported"));
     GP_TRY(read_vertices(w, positions, &uv, &a));

@@ -198,12 +198,10 @@ static gp_status read_lights(struct gp_gltf *g, struct gp_scene_light **list,
                              int *n)
 {
     struct gp_gltf_at at;
-    json_t *punctual, *lights, *o;
+    json_t *const lights = json_object_get(
+        gp_gltf_extension(g->root, "KHR_lights_punctual"), "lights"), *o;
     size_t k;
     gp_status st;
-    GP_TRY(gp_gltf_extension(&g->whole, g->root, "KHR_lights_punctual",
-                             &punctual));
-    lights = json_object_get(punctual, "lights");
     *n = (int) json_array_size(lights);
     GP_TRY(gp_gltf_take(g, (size_t) *n * sizeof **list));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) *n, sizeof **list, list));
@@ -252,8 +250,7 @@ static gp_status place_node(struct gp_gltf *g, int index,
                             struct gp_scene *out)
 {
     struct gp_gltf_at at;
-    json_t *const o = gp_gltf_item(g, "nodes", index), *punctual;
-    json_t *copies, *seen;
+    json_t *const o = gp_gltf_item(g, "nodes", index);
     char name[GP_SCENE_NAME];
     bool perspective = false;
     int mesh, cam, light = -1;
@@ -262,16 +259,16 @@ static gp_status place_node(struct gp_gltf *g, int index,
     gp_gltf_name(o, name);
     GP_TRY(gp_gltf_index(g, &at, o, "mesh", "meshes", &mesh));
     GP_TRY(gp_gltf_index(g, &at, o, "camera", "cameras", &cam));
-    GP_TRY(gp_gltf_extension(&at, o, "KHR_lights_punctual", &punctual));
-    GP_TRY(gp_json_int(&at.p, punctual, "light", 0, INT_MAX, &light, NULL));
+    GP_TRY(gp_json_int(&at.p, gp_gltf_extension(o, "KHR_lights_punctual"),
+                       "light", 0, INT_MAX, &light, NULL));
     if (light >= defined)
         GP_TRY(gp_gltf_fail(&at, "no such light (found %d, the file has %d)",
                             light, defined));
-    GP_TRY(gp_gltf_extension(&at, o, "EXT_mesh_gpu_instancing", &copies));
-    GP_TRY(gp_gltf_extension(&at, o, "KHR_node_visibility", &seen));
     g->odd[GP_GLTF_SKINS] |= json_object_get(o, "skin") != NULL;
-    g->odd[GP_GLTF_COPIES] |= copies && mesh >= 0;
-    g->odd[GP_GLTF_HIDDEN] |= json_is_false(json_object_get(seen, "visible"));
+    g->odd[GP_GLTF_COPIES] |=
+        gp_gltf_extension(o, "EXT_mesh_gpu_instancing") && mesh >= 0;
+    g->odd[GP_GLTF_HIDDEN] |= json_is_false(json_object_get(
+        gp_gltf_extension(o, "KHR_node_visibility"), "visible"));
     if (mesh >= 0 && !gp_box_empty(out->mesh[mesh].box))
         out->object[out->objects++] =
             (struct gp_object) {.mesh = mesh, .node = index};
