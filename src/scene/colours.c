@@ -26,7 +26,7 @@ static int by_value(const void *a, const void *b)
 }
 
 /* Sets a channel of each material from its pixels, sorted by material; adds to
- * sums of the pixels' albedo and of base colours. `v` has room for all pixels. */
+ * sums of the pixels' albedo and of base colours. `v` has room for all. */
 static void set_channel(const struct gp_scene *s, const struct gp_shade *shade,
                         size_t n, int c, float *v, struct gp_colours *out,
                         double sum[2])

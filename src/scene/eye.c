@@ -62,9 +62,9 @@ static bool meets_sphere(const struct gp_eye_disc *d, const struct gp_object *o)
            angle_between(c, d->to) <= d->half + asin(r / distance) + SLACK;
 }
 
-/* Lists the set E, indices of objects: those whose sphere meets the cone from the
- * eye over the disc, and is nearer than a lamp. None that hides a part of the disc
- * is left out; one that is kept may hide nothing. */
+/* Lists the set E, indices of objects: those whose sphere meets the cone from
+ * the eye over the disc, and is nearer than a lamp. None that hides a part of
+ * the disc is left out; one that is kept may hide nothing. */
 static int list_objects(const struct gp_scene *s, const struct gp_eye_disc *d,
                         int *object)
 {

@@ -1,8 +1,8 @@
 /* Lights as discs before the eye: the objects between, and the share of a disc
  * that they leave clear. For lights that the frame does not show (Maughan, Game
- * Programming Gems 3, 5.5: his culling frustum, and his alternative of rays. His
- * sun map from geometry took 16 to 140 times as long on llvmpipe, and was up to
- * 0.005 off where rays are within 0.0002). */
+ * Programming Gems 3, 5.5: his culling frustum, and his alternative of rays.
+ * His sun map from geometry took 16 to 140 times as long on llvmpipe, and was
+ * up to 0.005 off where rays are within 0.0002). */
 #ifndef GP_SCENE_EYE_H
 #define GP_SCENE_EYE_H
 

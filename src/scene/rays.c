@@ -242,8 +242,9 @@ static int make_node(struct builder *b, struct range r)
 }
 
 /* Makes the tree of n boxes: splits by the least sum of surfaces times items
- * (MacDonald and Booth 1990) over 12 bins an axis (Wald 2007), 48 levels deep at
- * most, in the middle below. `out` is zero; free_tree() frees it in any case. */
+ * (MacDonald and Booth 1990) over 12 bins an axis (Wald 2007), 48 levels deep
+ * at most, in the middle below. `out` is zero; free_tree() frees it in any
+ * case. */
 static gp_status make_tree(const struct gp_log *log, const struct gp_box *box,
                            int n, struct gp_tree *out)
 {
@@ -269,7 +270,7 @@ static void free_tree(struct gp_tree *t)
     *t = (struct gp_tree) {0};
 }
 
-/* Tests an item. Returns where it stops the ray, or `most`; -1 ends the walk. */
+/* Returns where an item stops the ray, or `most`; -1 ends the walk. */
 typedef double (*meet_item)(void *user, int item, double most);
 
 /* Walks a ray through the boxes that it meets before `most` lengths of `along`,
@@ -427,8 +428,8 @@ void gp_meshes_free(struct gp_meshes *m)
 // -- objects -----------------------------------------------------------------
 
 /* Sets the way from the world to an object's mesh. A flat object gets a
- * thickness of 1e-7 of its scale, so that there is a way; false of one that is a
- * line or a point, which stops no ray. */
+ * thickness of 1e-7 of its scale, so that there is a way; false of one that is
+ * a line or a point, which stops no ray. */
 static bool set_place(const struct gp_object *o, struct gp_rays_place *out)
 {
     const double *const m = o->to_world;
@@ -525,7 +526,7 @@ static bool opaque_at(const struct gp_scene *s, const struct triangle *t,
     return alpha >= (double) m->cutoff;
 }
 
-/* A ray in the space of a mesh, and the triangle that it was last stopped by. */
+/* A ray in the space of a mesh, and the triangle that last stopped it. */
 struct walk {
     const struct gp_rays *rays;
     const struct gp_mesh_tree *mesh;

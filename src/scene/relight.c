@@ -178,8 +178,8 @@ struct pixel {
     double weight[MANY];
 };
 
-/* Returns the share t of `a` in the mean of a pixel, a t + b (1 - t), nearest by
- * albedo and normal, and the square of what is left. b NULL: no surface. */
+/* Returns the share t of `a` in the mean of a pixel, a t + b (1 - t), nearest
+ * by albedo and normal, and the square of what is left. b NULL: no surface. */
 static double share_of(const double mean[GP_MEANS], const struct surface *a,
                        const struct surface *b, double *left)
 {
@@ -312,7 +312,7 @@ static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
             gp_v3_dot(from, l->along) > d * cos(l->outer));
 }
 
-// -- a light's pass -------------------------------------------------------------
+// -- a light's pass -----------------------------------------------------------
 
 /* Returns the way from the eye to a place of a pixel. */
 static struct gp_v3 way_to_place(const struct relit *w, int x, int y, int i)
@@ -354,8 +354,8 @@ static double clear_share(const struct lamp *lamp, const struct surface *s,
     return clear;
 }
 
-/* Scales the albedo of places so that their mix is the pixel's, as far as it may
- * be that of these surfaces. */
+/* Scales the albedo of places so that their mix is the pixel's, as far as it
+ * may be that of these surfaces. */
 static void scale_places(const double own[3], const double weight[MANY],
                          struct surface of[MANY])
 {
@@ -373,7 +373,7 @@ static void scale_places(const double own[3], const double weight[MANY],
 }
 
 /* Finds the scene's surfaces at the places of a pixel, and their weights. False
- * where these are not those of the frame: their mean normal and albedo differ. */
+ * where these are not those of the frame: their means differ. */
 static bool find_places(const struct relit *w, struct pixel *p)
 {
     const struct gp_colours *const k = &w->colours;

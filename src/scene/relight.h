@@ -1,5 +1,5 @@
-/* The frame lit by lights of the scene: per-pixel lighting from depth, normal and
- * albedo (O'Rorke 15.2), one pass a light inside its scissor and range of
+/* The frame lit by lights of the scene: per-pixel lighting from depth, normal
+ * and albedo (O'Rorke 15.2), one pass a light inside its scissor and range of
  * depths, shadows by rays through the objects of S. */
 #ifndef GP_SCENE_RELIGHT_H
 #define GP_SCENE_RELIGHT_H
@@ -8,8 +8,8 @@
 #include "scene/rays.h"
 #include "scene/scene.h"
 
-/* A frame, and the surfaces of its pixels. A pixel outside a plane's window has no
- * surface. */
+/* A frame, and the surfaces of its pixels. A pixel outside a plane's window has
+ * no surface. */
 struct gp_surfaces {
     const struct gp_planes *rgb;   // the frame's colour, of pixels `data`
     struct gp_rect data;
@@ -51,12 +51,13 @@ struct gp_relit {
  * light has no d, window and cone. The cosine is that of the pixel's normal,
  * made 1 long.
  *
- * A pixel inside a surface takes one ray for its shadow. Where a shadow ends, and
- * at edges, 64 places have the density of Blender's filter. At edges they show
- * the scene's own surfaces, if these have nearly the pixel's mean normal and
- * albedo, in shares that have them; else its mean is taken apart into the two
- * surfaces beside it. Albedo of the scene's materials is that which the frame
- * shows of them, so that the light added is proportional to the frame's albedo.
+ * A pixel inside a surface takes one ray for its shadow. Where a shadow ends,
+ * and at edges, 64 places have the density of Blender's filter. At edges they
+ * show the scene's own surfaces, if these have nearly the pixel's mean normal
+ * and albedo, in shares that have them; else its mean is taken apart into the
+ * two surfaces beside it. Albedo of the scene's materials is that which the
+ * frame shows of them, so that the light added is proportional to the frame's
+ * albedo.
  *   meshes  of this scene, kept from call to call
  *   passes  of pass[] and out[], at most GP_RELIGHT_PASSES
  *   out     facts; written on GP_OK only
@@ -91,7 +92,8 @@ GP_MUST_CHECK gp_status gp_relit_find(const struct gp_log *log,
     const struct gp_scene *s, const char *const *name, int names,
     unsigned char *asked);
 
-/* Adds the light of scene lights named in `name` (or "all") to the frame's colour.
+/* Adds the light of scene lights named in `name` (or "all") to the frame's
+ * colour.
  *   s, meshes  posed; meshes are kept from call to call
  *   out        owned by the caller, gp_free(); *lit of them, in the scene's
  *              order

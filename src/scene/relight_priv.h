@@ -13,8 +13,8 @@ struct gp_shade {
     float albedo[3]; // >= 0, finite
 };
 
-/* Albedo of each material, which the frame may scale, tint or texture. All of it
- * is proportional to that of the pixels. */
+/* Albedo of each material, which the frame may scale, tint or texture. All of
+ * it is proportional to that of the pixels. */
 struct gp_colours {
     double (*of)[3];     // owned; median of its pixels; of fewer than 8, its
                          // base colour in units

@@ -45,8 +45,8 @@ gp_status gp_scene_no_camera(const struct gp_log *log, const struct gp_scene *s,
                             : snprintf(names + at, sizeof names - at, "%s%s",
                                        comma, c->name));
     }
-    return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has %d cameras of "
-                      "that name (found \"%s\"), it has: %s", s->path,
+    return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has %d cameras "
+                      "of that name (found \"%s\"), it has: %s", s->path,
                       count_named(s, name), name, names);
 }
 

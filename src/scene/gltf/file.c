@@ -370,8 +370,8 @@ static gp_status check_extensions(const struct gp_gltf *g)
         while (known[i] && strcmp(known[i], name) != 0)
             i++;
         if (!known[i])
-            return gp_gltf_fail(&g->whole, "it needs the extension %.60s, which "
-                                "is not supported; leave it out (no "
+            return gp_gltf_fail(&g->whole, "it needs the extension %.60s, "
+                                "which is not supported; leave it out (no "
                                 "compression)", name);
     }
     return GP_OK;
@@ -389,8 +389,8 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
     const bool binary =
         out->file_bytes >= 4 && memcmp(out->file, "glTF", 4) == 0;
     if (binary && out->file_bytes < GLB_HEADER)
-        GP_TRY(gp_gltf_fail(&out->whole, "truncated (%zu bytes, the header of a "
-                            ".glb has %d)", out->file_bytes, GLB_HEADER));
+        GP_TRY(gp_gltf_fail(&out->whole, "truncated (%zu bytes, the header of "
+                            "a .glb has %d)", out->file_bytes, GLB_HEADER));
     if (binary)
         GP_TRY(read_chunks(out, &json));
     else

@@ -20,7 +20,7 @@ static enum gp_wrap wrap_of(int code)
                            : GP_WRAP_REPEAT; // 10497, and without a sampler
 }
 
-/* Reads image `index` into the cut-out of a texture, or shares that of another. */
+/* Reads an image into the cut-out of a texture, or shares that of another. */
 static gp_status read_image(struct gp_gltf *g, int index,
     const struct gp_scene_images *images, long long *texels,
     const struct gp_scene *s, int texture)
@@ -212,7 +212,7 @@ static long long triangle_vertices(int mode, int n)
 /* Texture coordinates of a cut-out. */
 struct uv_of {
     int accessor;    // -1: none
-    int moved;       // material whose KHR_texture_transform moves them; -1: none
+    int moved;       // material whose KHR_texture_transform moves them, or -1
     double scale[2], turn, offset[2]; // in that order; turn in radians,
                                       // counter-clockwise as the image is seen
 };
@@ -297,7 +297,8 @@ out:
 static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
                          json_t *attributes, int material, struct uv_of *uv)
 {
-    json_t *const base = base_texture(gp_gltf_item(w->g, "materials", material));
+    json_t *const base =
+        base_texture(gp_gltf_item(w->g, "materials", material));
     json_t *const o = gp_gltf_extension(base, "KHR_texture_transform");
     struct gp_gltf_at of;
     char key[32];

@@ -334,9 +334,9 @@ static void warn_of_odd(const struct gp_gltf *g)
     static const char *const text[GP_GLTF_ODD] = {
         [GP_GLTF_BLENDED] = "blended materials hide light where their alpha is "
                             "at least 0.5",
-        [GP_GLTF_GLASS] = "glass (KHR_materials_transmission) of a factor under "
-                          "0.5, or with a texture, hides all light, other glass "
-                          "none",
+        [GP_GLTF_GLASS] = "glass (KHR_materials_transmission) of a factor "
+                          "under 0.5, or with a texture, hides all light, "
+                          "other glass none",
         [GP_GLTF_BLIND] = "textures of cut-outs are not read; they count as "
                           "opaque",
         [GP_GLTF_MORPHS] = "morph targets are not supported; meshes keep their "
@@ -348,8 +348,8 @@ static void warn_of_odd(const struct gp_gltf *g)
                           "counts",
         [GP_GLTF_SKINS] = "skins are not supported; meshes keep the pose they "
                           "are stored in",
-        [GP_GLTF_COPIES] = "instances of one node (EXT_mesh_gpu_instancing) are "
-                           "not supported; its mesh is placed once",
+        [GP_GLTF_COPIES] = "instances of one node (EXT_mesh_gpu_instancing) "
+                           "are not supported; its mesh is placed once",
         [GP_GLTF_HIDDEN] = "hidden nodes (KHR_node_visibility) are not "
                            "supported; they are placed as the others",
         [GP_GLTF_FLAT] = "orthographic cameras are not supported and left out",

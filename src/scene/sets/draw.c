@@ -38,15 +38,15 @@ enum { SPOT_IN_CUBE = 3 };
 
 // -- maps of shadows ----------------------------------------------------------
 //
-// One square for spots and suns, six of one atlas for points. Depth is reversed,
-// as in gl: near / distance, of a sun from 1 to 0.
+// One square for spots and suns, six of one atlas for points. Depth is
+// reversed, as in gl: near / distance, of a sun from 1 to 0.
 
 /* The map of one light: how places come to it. */
 struct map {
-    bool cube;           // six squares, 3 x 2, around a point: +x -x +y -y +z -z
+    bool cube;           // six squares, 3 x 2: +x -x +y -y +z -z
     int side;            // texels of a square
     double near;         // near plane, but of a sun
-    double to_map[16];   // world, from origin, to clip coordinates; not of a cube
+    double to_map[16];   // world, from origin, to clip coordinates; of a square
     struct gp_v3 origin; // the light's place; of a sun the middle of its box
     float form_of[4];    // `map` of light.frag
 };
@@ -95,8 +95,8 @@ static void lay_sun(const struct gp_draw_light *d, const struct gp_box *whole,
     m->form_of[2] = (float) s;
 }
 
-/* Lays a map out; `whole` holds every object. Spots wider than 120 degrees get a
- * cube. */
+/* Lays a map out; `whole` holds every object. Spots wider than 120 degrees get
+ * a cube. */
 static struct map map_of(const struct gp_draw_light *d,
                          const struct gp_box *whole, int side)
 {
@@ -134,8 +134,8 @@ static void look_at(const struct map *m, int face, struct gp_v3 at,
                      : p.x * t[3] + p.y * t[7] + p.z * t[11] + t[15];
 }
 
-/* Returns bits of the squares of a map where a box of the world may be; of a map
- * of one square 0 or 1. */
+/* Returns bits of the squares of a map where a box of the world may be; of a
+ * map of one square 0 or 1. */
 static int faces_of(const struct map *m, const struct gp_box *box)
 {
     const double wide = 1.0 + 4.0 / m->side; // a texel around each square

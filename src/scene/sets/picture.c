@@ -73,8 +73,8 @@ static const struct {
 // -- the map -------------------------------------------------------------------
 
 /* Finds the part of the world that the map shows: the eye, the lamps and the
- * middles of objects, and of their boxes what is within a quarter of that beside
- * it, so that a large ground does not make all others small. */
+ * middles of objects, and of their boxes what is within a quarter of that
+ * beside it, so that a large ground does not make all others small. */
 static struct gp_box find_extent(const struct gp_scene *s, struct gp_v3 eye)
 {
     struct gp_box core = {eye, eye};

@@ -5,7 +5,7 @@
 #include "core/depth.h"
 #include "core/memory.h"
 
-// -- convex volumes: what a camera sees, and its hull with a light --------------
+// -- convex volumes: what a camera sees, and its hull with a light ------------
 
 /* Rounding of a plane's distance, in parts of the largest coordinate. */
 static const double SLACK = 1e-9;
@@ -59,8 +59,8 @@ static struct gp_box box_with(struct gp_box b, struct gp_from light)
  * hull with a light: the planes that have the light inside and one through the
  * light for each edge of the silhouette (Everitt and Kilgard 2003).
  *
- * Corners of the frustum have bit 0 right, 1 low, 2 far. Plane 2 k + side is that
- * of the corners whose bit k is `side`. */
+ * Corners of the frustum have bit 0 right, 1 low, 2 far. Plane 2 k + side is
+ * that of the corners whose bit k is `side`. */
 static struct volume hull_of(const struct gp_sets_view *view,
                              const struct gp_scissor *part,
                              const struct gp_from *light)
@@ -253,7 +253,7 @@ static struct gp_scissor box_project(const struct gp_sets_view *v,
 
 enum { TILE = 16 }; // pixels a side
 
-/* Depths of the frame, by pixels and tiles; INFINITY where there is no surface. */
+/* Depths of the frame by tiles; INFINITY where there is no surface. */
 struct depths {
     struct gp_rect window;
     int across, down;     // tiles; 0: no depth is known, nothing is hidden
@@ -335,8 +335,8 @@ static bool all_before(const struct depths *d, struct gp_rect r, double near)
     return true;
 }
 
-/* True where bounds are behind the surfaces of all of their pixels, or have none:
- * no pixel's centre can show a part of what is in them. */
+/* True where bounds are behind the surfaces of all of their pixels, or have
+ * none: no pixel's centre can show a part of what is in them. */
 static bool depths_hide(const struct depths *d, const struct gp_scissor *b)
 {
     const double near = b->near * (1.0 - DEPTH_SLACK);

@@ -81,8 +81,8 @@ GP_MUST_CHECK gp_status gp_sets_look(const struct gp_log *log,
 
 /* Finds L, I, S and the scissor of a light, in place of those of the last one.
  * Returns the scissor, the bounds of what it may light. Empty: nothing that is
- * visible can be lit; I and S are empty, L may be. With GP_SETS_DEPTHS the depths
- * decide, and I may be empty in any case. */
+ * visible can be lit; I and S are empty, L may be. With GP_SETS_DEPTHS the
+ * depths decide, and I may be empty in any case. */
 struct gp_scissor gp_sets_light(struct gp_sets *sets, int light);
 
 /* Returns GP_SET_* of each object; changes with gp_sets_light(). */
@@ -156,10 +156,9 @@ struct gp_table {
 /* Draws all rows; every one draws the same picture.
  *   s    posed
  *   out  written on GP_OK only; free with gp_table_free()
- * V by depth: the objects that look largest are drawn first, V is found by their
- * depth and drawn, and found again by the depth of the whole picture for the
- * lights.
- * Errors: GP_ERR_GL what the context refuses; GP_ERR_BUG memory. */
+ * V by depth: the objects that look largest are drawn first, V is found by
+ * their depth and drawn, and found again by the depth of the whole picture for
+ * the lights. Errors: GP_ERR_GL what the context refuses; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_table_make(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_scene *s, const struct gp_camera *c,
     const struct gp_table_params *p, struct gp_table *out);
@@ -173,8 +172,8 @@ void gp_table_free(struct gp_table *t);
 void gp_sets_draw_scissors(const struct gp_table *t, int lights, int w, int h,
                            const struct gp_planes *rgb);
 
-/* Draws the scene from above, each object in the colour of its sets. It shows the
- * eye, lamps and objects; boxes that leave it end at its edge. */
+/* Draws the scene from above, each object in the colour of its sets. It shows
+ * the eye, lamps and objects; boxes that leave it end at its edge. */
 void gp_sets_draw_map(const struct gp_table *t, const struct gp_scene *s,
                       const struct gp_camera *c, int w, int h,
                       const struct gp_planes *rgb);

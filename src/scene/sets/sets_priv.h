@@ -51,8 +51,8 @@ static inline double gp_half_reach(struct gp_half h, struct gp_v3 e)
 bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
                   struct gp_v3 inside, struct gp_half *out);
 
-/* Bodies of a scene's meshes, and the umbras that they throw before one light: a
- * body is a closed convex polyhedron of at most 64 points, opaque everywhere. */
+/* Bodies of a scene's meshes, and the umbras that they throw before one light:
+ * a body is a closed convex polyhedron of at most 64 points, opaque. */
 struct gp_umbras;
 
 /* Errors: GP_ERR_BUG memory is full. Out: NULL; close it in any case. */
@@ -61,9 +61,9 @@ GP_MUST_CHECK gp_status gp_umbras_open(const struct gp_log *log,
                                        struct gp_umbras **out);
 void gp_umbras_close(struct gp_umbras **u);
 
-/* Makes the umbras of the objects with GP_SET_L that are bodies and look largest
- * from a light; of those of one size of the first of the scene. `flag` NULL: of
- * none. */
+/* Makes the umbras of the objects with GP_SET_L that are bodies and look
+ * largest from a light; of those of one size of the first of the scene. `flag`
+ * NULL: of none. */
 void gp_umbras_light(struct gp_umbras *u, const uint8_t *flag,
                      struct gp_from light);
 

@@ -244,7 +244,7 @@ static bool set_planes(const struct body *body,
     return true;
 }
 
-/* Makes the umbra of a body moved by a matrix; empty where the light is in it. */
+/* Makes the umbra of a moved body; empty where the light is in it. */
 static void make_umbra(const struct body *body, const double to_world[16],
                    struct gp_from light, struct umbra *out)
 {
