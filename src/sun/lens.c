@@ -61,28 +61,23 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
     static const char *const stop_keys[] = {"thickness", "semi", "stop", NULL};
     struct gp_lens_surface s = {.n = 1.0};
     double radius = 0.0;
-    bool has_radius = false, has_gap, has_semi, has_coat = false;
+    bool has_radius, has_gap, has_semi, has_coat;
     gp_status st;
-    GP_TRY(gp_json_keys(p, o, keys));
     *stop = json_is_true(json_object_get(o, "stop"));
+    GP_TRY(gp_json_keys(p, o, *stop ? stop_keys : keys));
     if (json_object_get(o, "stop") && !*stop)
         GP_TRY(gp_json_fail(p, "stop is not true; leave it out"));
-    if (*stop)
-        GP_TRY(gp_json_keys(p, o, stop_keys));
-    GP_TRY(gp_json_number(p, o, "thickness", last ? 0.0 : 1e-6, 1e5, &s.gap,
-                          &has_gap));
-    GP_TRY(gp_json_number(p, o, "semi", 1e-3, 1e4, &s.semi, &has_semi));
-    if (!*stop) {
-        GP_TRY(gp_json_number(p, o, "radius", -1e9, 1e9, &radius,
-                              &has_radius));
-        GP_TRY(gp_json_number(p, o, "n", 1.0, 5.0, &s.n, NULL));
-        GP_TRY(gp_json_number(p, o, "v", 0.0, 200.0, &s.v, NULL));
-        GP_TRY(gp_json_number(p, o, "coating", 0.0, 5000.0, &s.coat,
-                              &has_coat));
-    } else if (before) {
+    if (*stop && before) {
         s.n = before->n;
         s.v = before->v;
     }
+    GP_TRY(gp_json_number(p, o, "thickness", last ? 0.0 : 1e-6, 1e5, &s.gap,
+                          &has_gap));
+    GP_TRY(gp_json_number(p, o, "semi", 1e-3, 1e4, &s.semi, &has_semi));
+    GP_TRY(gp_json_number(p, o, "radius", -1e9, 1e9, &radius, &has_radius));
+    GP_TRY(gp_json_number(p, o, "n", 1.0, 5.0, &s.n, NULL));
+    GP_TRY(gp_json_number(p, o, "v", 0.0, 200.0, &s.v, NULL));
+    GP_TRY(gp_json_number(p, o, "coating", 0.0, 5000.0, &s.coat, &has_coat));
     if (!has_semi || (!has_gap && !last))
         GP_TRY(gp_json_fail(p, "no %s; add it in millimetres",
                             has_semi ? "thickness" : "semi"));

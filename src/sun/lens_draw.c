@@ -221,16 +221,6 @@ static void choose(struct drawing *d, int lights, struct gp_lens_stats *stats)
 
 // -- items --------------------------------------------------------------------
 
-static void place_axes(const struct gp_lens_view *v, struct gp_lens_item *it)
-{
-    it->along[0] = it->turn[0] / v->mm[0];
-    it->along[1] = it->turn[1] / v->mm[1];
-    it->aside[0] = -it->turn[1] / v->mm[0];
-    it->aside[1] = it->turn[0] / v->mm[1];
-    it->middle[0] = gp_rect_middle(v->display, 0) - v->frame.x0;
-    it->middle[1] = gp_rect_middle(v->display, 1) - v->frame.y0;
-}
-
 /* Returns how much coarser than a bright ghost one may be that adds little to
  * the frame: 1 from 0.03 of its mean luminance on, up to 4. */
 static double ease_of(const struct drawing *d, const struct rank *r,
@@ -259,17 +249,19 @@ static gp_status trace_item(void *ctx, int i, int thread)
     const double x = (light->x - gp_rect_middle(v->display, 0)) * v->mm[0];
     const double y = (light->y - gp_rect_middle(v->display, 1)) * v->mm[1];
     const double away = hypot(x, y);
+    const double turn[2] = {away > 0.0 ? x / away : 1.0,
+                            away > 0.0 ? y / away : 0.0};
     struct gp_lens_path path;
     (void) thread;
-    *it = (struct gp_lens_item) {.u = away / d->scale, .turn = {1.0, 0.0},
-                         .level = -1};
-    if (away > 0.0) {
-        it->turn[0] = x / away;
-        it->turn[1] = y / away;
-    }
+    *it = (struct gp_lens_item) {
+        .u = away / d->scale, .level = -1,
+        .blades = gp_lens_blades_of(d->lens, atan2(turn[1], turn[0])),
+        .along = {turn[0] / v->mm[0], turn[1] / v->mm[1]},
+        .aside = {-turn[1] / v->mm[0], turn[0] / v->mm[1]},
+        .middle = {gp_rect_middle(v->display, 0) - v->frame.x0,
+                   gp_rect_middle(v->display, 1) - v->frame.y0},
+    };
     memcpy(it->flux, light->flux, sizeof it->flux);
-    place_axes(v, it);
-    it->blades = gp_lens_blades_of(d->lens, atan2(it->turn[1], it->turn[0]));
     gp_lens_path(d->lens, g->first, g->second, &path);
     static const double most[] = {1.0, 5e-4, 0.0}, edge[] = {1.0, 0.25, 0.0};
     const double ease = ease_of(d, rank, light->flux);

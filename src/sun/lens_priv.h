@@ -174,7 +174,7 @@ struct gp_lens_cell {
 struct gp_lens_item {
     struct gp_lens_mesh mesh;
     struct gp_lens_blades blades;
-    double flux[3], turn[2], u; // turn: cosine and sine of the light's axis
+    double flux[3], u;
     double along[2], aside[2], middle[2]; // pixels of the layer: of a mm along
                                           // and across the light's axis, and
                                           // of the lens's axis
