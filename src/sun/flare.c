@@ -189,14 +189,17 @@ static double off_centre(double x, double y, struct gp_rect display)
                       : 0.0;
 }
 
-double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
-                            double y, struct gp_rect display)
+void gp_flare_factors(const struct gp_flare_by_place *b, double x, double y,
+                      struct gp_rect display, double *size, double colour[3])
 {
     const double inside = fmin(fmin(x - display.x0, display.x1 - x),
                                fmin(y - display.y0, display.y1 - y));
     const double v = b->edge ? 2.0 * inside / fmax(height_of(display), 1.0)
                              : off_centre(x, y, display);
-    return fmax(0.0, fmin(v, 1.0)); // 0 for NaN
+    const double t = fmax(0.0, fmin(v, 1.0)); // 0 for NaN
+    *size = b->size[0] + t * (b->size[1] - b->size[0]);
+    for (int c = 0; c < 3; c++)
+        colour[c] = b->colour[0][c] + t * (b->colour[1][c] - b->colour[0][c]);
 }
 
 double gp_flare_flicker(const struct gp_flare_element *e, int frame)
@@ -214,12 +217,11 @@ static struct gp_flare_element dress(const struct gp_flare *f, int k,
     const double cx = gp_rect_middle(display, 0),
                  cy = gp_rect_middle(display, 1);
     if (e.by_place.given) {
-        const double t = gp_flare_place_share(&e.by_place, l->x, l->y, display);
-        const struct gp_flare_by_place *const b = &e.by_place;
-        e.size *= b->size[0] + t * (b->size[1] - b->size[0]);
+        double size, colour[3];
+        gp_flare_factors(&e.by_place, l->x, l->y, display, &size, colour);
+        e.size *= size;
         for (int c = 0; c < 3; c++)
-            e.colour[c] *= (float) (b->colour[0][c] +
-                                    t * (b->colour[1][c] - b->colour[0][c]));
+            e.colour[c] *= (float) colour[c];
     }
     if (e.shrink > 0.0)
         e.size *= 1.0 - e.shrink * (1.0 - fmin(l->visibility, 1.0));

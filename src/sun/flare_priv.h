@@ -47,9 +47,9 @@ double gp_flare_look_reach(const struct gp_flare_element *e, double diameter);
 
 // -- flare: elements made ready for the lights of one frame (flare.c) --------
 
-/* Distance in [0, 1] that by_place measures, of a light at (x, y). */
-double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
-                            double y, struct gp_rect display);
+/* Factors of by_place for a light at (x, y). */
+void gp_flare_factors(const struct gp_flare_by_place *b, double x, double y,
+                      struct gp_rect display, double *size, double colour[3]);
 
 /* Factor of an element's brightness in a frame. */
 double gp_flare_flicker(const struct gp_flare_element *e, int frame);
