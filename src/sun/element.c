@@ -355,10 +355,13 @@ double gp_flare_look_reach(const struct gp_flare_element *e, double diameter)
 
 // -- rows --------------------------------------------------------------------
 
-/* Moves t where it is within half a pixel of a hard edge, whose ramp is m
- * pixels wide and a pixel in the table. */
-static float fit_edges(const struct gp_flare_look *l, float t, float m)
+/* Moves t where it is within half a pixel of a hard edge across (x, y), whose ramp
+ * is a pixel wide in the table, and in the picture as much less as the larger
+ * component of a unit vector. */
+static float fit_edges(const struct gp_flare_look *l, float t, float x, float y)
 {
+    const float m = gp_maxf(fabsf(x), fabsf(y)) /
+                    gp_maxf(sqrtf(x * x + y * y), 1e-20f);
     for (int i = 0; i < l->edges; i++) {
         const float d = (t - l->edge[i]) * l->across;
         if (fabsf(d) < 0.5f) {
@@ -368,12 +371,6 @@ static float fit_edges(const struct gp_flare_look *l, float t, float m)
         }
     }
     return t;
-}
-
-/* The larger component of a unit vector along (x, y). */
-static float larger_component(float x, float y)
-{
-    return gp_maxf(fabsf(x), fabsf(y)) / gp_maxf(sqrtf(x * x + y * y), 1e-20f);
 }
 
 /* Adds the table at `at` entries, times v. */
@@ -405,7 +402,7 @@ static void value_at(const struct gp_flare_look *l,
             y = l->side[k][1];
         }
         if (l->edges)
-            t = fit_edges(l, t, larger_component(x * c + y * s, y * c - x * s));
+            t = fit_edges(l, t, x * c + y * s, y * c - x * s);
         look_up(l, t * per_t, direction_of(l, u, y), out);
     }
     for (int i = 0; i < l->rays; i++) {

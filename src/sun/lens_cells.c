@@ -315,7 +315,7 @@ static void make_rays(const struct gp_lens_item *it, int set,
 
 /* Spreads a piece of a cell; one that a caustic folds as triangles. */
 static void add_piece(const struct gp_lens_cover *k, int n,
-                      const struct gp_lens_corner *c, const double light[3])
+                      const union gp_lens_corner *c, const double light[3])
 {
     double p[GP_LENS_CORNERS][2], before[GP_LENS_CORNERS], all = 0.0;
     bool left = false, right = false;
@@ -350,14 +350,14 @@ static void add_piece(const struct gp_lens_cover *k, int n,
  * the lens: `light` is the cell's mean, whose sum the corners' `through` is. */
 static void add_cell(const struct gp_lens_cover *k,
                      const struct gp_lens_item *it,
-                     struct gp_lens_corner c[GP_LENS_CORNERS],
+                     union gp_lens_corner c[GP_LENS_CORNERS],
                      const double light[3])
 {
     const int n = gp_lens_cut(&it->blades, it->mesh.passes, c);
     const double all = light[0] + light[1] + light[2];
     double area = 0.0, through = 0.0, own[3];
     for (int i = 0; i < n; i++) {
-        const struct gp_lens_corner *const b = &c[i + 1 < n ? i + 1 : 0];
+        const union gp_lens_corner *const b = &c[i + 1 < n ? i + 1 : 0];
         area += 0.5 * (c[i].p * b->q - b->p * c[i].q);
         through += c[i].through / n;
     }
@@ -439,7 +439,7 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                 density[j * down + i][c] = light[c] * share * dx * dy;
             if (share != 0.0)
                 continue;
-            struct gp_lens_corner c[GP_LENS_CORNERS];
+            union gp_lens_corner c[GP_LENS_CORNERS];
             for (int e = 0; e < 4; e++) {
                 const double *const own = rays->light[at[e]];
                 c[e] = gp_lens_corner_of(
