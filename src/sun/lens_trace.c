@@ -260,17 +260,8 @@ static union gp_lens_corner between(const union gp_lens_corner *a,
     return c;
 }
 
-/* Excess of a corner over a limit: over 0 outside. The limit of the rims where
- * `normal` is NULL. */
-static double excess(const union gp_lens_corner *c, int pass,
-                     const double *normal, double apothem)
-{
-    return normal ? normal[0] * c->stop[pass][0] +
-                        normal[1] * c->stop[pass][1] - apothem
-                  : c->rim - 1.0;
-}
-
-/* Cuts by one limit: Sutherland and Hodgman 1974. */
+/* Cuts by one limit: a blade's, that of the rims where `normal` is NULL. Source:
+ * Sutherland and Hodgman 1974. */
 static int cut_by(union gp_lens_corner *c, int n, int pass,
                   const double *normal, double apothem)
 {
@@ -279,7 +270,9 @@ static int cut_by(union gp_lens_corner *c, int n, int pass,
     int m = 0;
     bool cuts = false;
     for (int i = 0; i < n; i++) {
-        e[i] = excess(&c[i], pass, normal, apothem);
+        const double *const stop = c[i].stop[pass];
+        e[i] = normal ? normal[0] * stop[0] + normal[1] * stop[1] - apothem
+                      : c[i].rim - 1.0; // over 0: outside
         cuts = cuts || e[i] > 0.0;
     }
     if (!cuts)
