@@ -242,17 +242,6 @@ static void place_of(const struct gp_flare_element *e, const struct gp_light *l,
     *y = l->y + e->at * dy - across * dx;
 }
 
-/* Moves the pupil's rim towards the centre, in radii of the element. */
-static void cut_of(const struct gp_flare_element *e, const struct gp_light *l,
-                   struct gp_rect display, float cut[2])
-{
-    const double dx = gp_rect_middle(display, 0) - l->x;
-    const double dy = gp_rect_middle(display, 1) - l->y, d = hypot(dx, dy);
-    const double far = 2.0 * e->cut * off_centre(l->x, l->y, display);
-    cut[0] = d > 0.0 ? (float) (far * dx / d) : 0.0f;
-    cut[1] = d > 0.0 ? (float) (far * dy / d) : 0.0f;
-}
-
 // -- reach -------------------------------------------------------------------
 
 static bool is_image(const struct gp_flare_element *e)
@@ -474,7 +463,13 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
     for (int c = 0; c < 3; c++)
         q->amount[c] = sums[c] > 0.0 ? (float) (light_of(p, c) / sums[c])
                                      : 0.0f;
-    cut_of(&p->e, p->light, p->display, q->cut);
+    // the pupil's rim moves towards the centre, in radii of the element
+    const double dx = gp_rect_middle(p->display, 0) - p->light->x;
+    const double dy = gp_rect_middle(p->display, 1) - p->light->y;
+    const double far = 2.0 * p->e.cut *
+                       off_centre(p->light->x, p->light->y, p->display);
+    q->cut[0] = dx != 0.0 ? (float) (far * dx / hypot(dx, dy)) : 0.0f;
+    q->cut[1] = dy != 0.0 ? (float) (far * dy / hypot(dx, dy)) : 0.0f;
 }
 
 static struct gp_flare_quad quad_of(const struct pair *p,

@@ -213,8 +213,6 @@ void gp_lens_item_place(const struct gp_lens_view *v,
     // bands of equal width in nm are three times as far apart in the blue
     const double allowed = (v->detail ? 0.5 : 3.0 * ease) * (1 << level);
     const int sets = v->detail ? GP_LENS_SETS : GP_LENS_SETS_COARSE;
-    it->y0 = INFINITY;
-    it->y1 = -INFINITY;
     for (int i = 0; i < cells; i++) {
         int set = 0;
         if (!measure(v, it, i, box, &apart))
@@ -233,11 +231,9 @@ void gp_lens_item_place(const struct gp_lens_view *v,
                 continue;
             it->cell[half][i] = (struct gp_lens_cell) {
                 (float) b.y0, (float) b.y1, (uint8_t) (1 + set)};
-            it->y0 = gp_mind(it->y0, b.y0);
-            it->y1 = gp_maxd(it->y1, b.y1);
+            it->level = level;
         }
     }
-    it->level = it->y0 < it->y1 ? level : -1;
 }
 
 // -- drawing ------------------------------------------------------------------

@@ -293,8 +293,7 @@ static gp_status draw_rows(void *ctx, int strip, int thread)
         const int top = strip == 0 ? 0 : strip * STRIP_ROWS / a->step + 1;
         const int end = strip == last ? a->h
                                      : (strip + 1) * STRIP_ROWS / a->step + 1;
-        if (it->y1 / a->step + 1.0 >= top && it->y0 / a->step + 1.0 <= end)
-            gp_lens_item_draw(it, d->band, a, top, end, rays);
+        gp_lens_item_draw(it, d->band, a, top, end, rays);
     }
     gp_free(rays);
     return st;

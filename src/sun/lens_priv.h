@@ -181,8 +181,7 @@ struct gp_lens_item {
     double along[2], aside[2], middle[2]; // pixels of the layer: of a mm along
                                           // and across the light's axis, and
                                           // of the lens's axis
-    double y0, y1;     // rows of the layer that it covers
-    int level;         // of its step; negative: outside the frame
+    int level;         // of its step; negative: no cell is in the frame
     struct gp_lens_cell cell[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // halves
 };
 
