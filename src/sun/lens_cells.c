@@ -489,9 +489,7 @@ void gp_lens_item_draw(const struct gp_lens_item *it,
     const unsigned sets = find_cells(it, (top - 1.0) * step,
                                      (end - 1.0) * step, rays);
     for (int set = 0; set < GP_LENS_SETS; set++) {
-        const bool has = sets >> set & 1;
-        const int bands = has ? bands_of_set[set] : 0;
-        for (int b = 0; b < bands; b++) {
+        for (int b = 0; sets >> set & 1 && b < bands_of_set[set]; b++) {
             make_rays(it, set, &band[set][b], step, scale, rays);
             draw_half(it, rays, 0, set, &k);
             draw_half(it, rays, 1, set, &k);
