@@ -3,7 +3,6 @@
 #include "sun/flare_priv.h"
 
 #include "core/colour.h"
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -17,7 +16,7 @@
  * less than 1e-3. */
 enum { SUMMED = 128 };
 
-// -- images at half size, and rows of them ------------------------------------
+// -- images at half size ------------------------------------------------------
 
 /* Texture of an image at half size, `level` times. */
 struct level {
@@ -82,94 +81,6 @@ static gp_status make_level(const struct gp_log *log,
     }
     *out = l;
     return st;
-}
-
-static float texel(const struct gp_flare_image *m, int c, int x, int y)
-{
-    return x < 0 || y < 0 || x >= m->w || y >= m->h
-               ? 0.0f
-               : m->rgb.c[c][(size_t) y * (size_t) m->w + (size_t) x];
-}
-
-static float blend(float a, float b, float t)
-{
-    return a * (1.0f - t) + b * t;
-}
-
-/* Far outside, where this texel and the next are none. */
-static int clamp_texel(float v, int size)
-{
-    return (int) gp_maxf(-2.0f, gp_minf(v, (float) size));
-}
-
-float gp_flare_sample(const struct gp_flare_image *m, int c, float x, float y)
-{
-    const float u = x - 0.5f, v = y - 0.5f;
-    const float left = floorf(u), top = floorf(v);
-    const int tx = clamp_texel(left, m->w), ty = clamp_texel(top, m->h);
-    const float upper = blend(texel(m, c, tx, ty), texel(m, c, tx + 1, ty),
-                              u - left);
-    const float lower = blend(texel(m, c, tx, ty + 1),
-                              texel(m, c, tx + 1, ty + 1), u - left);
-    return blend(upper, lower, v - top);
-}
-
-GP_CLONES static void add_taps(const float *upper, const float *lower, int n,
-                               const float fraction[2], float amount,
-                               float *out)
-{
-    const float s = fraction[0], t = fraction[1];
-    for (int i = 0; i < n; i++) {
-        const float a = upper[i] * (1.0f - s) + upper[i + 1] * s;
-        const float b = lower[i] * (1.0f - s) + lower[i + 1] * s;
-        out[i] += amount * (a * (1.0f - t) + b * t);
-    }
-}
-
-/* At its own pixels, n of texel row ty: all have the same weights. */
-static void add_plain(const struct gp_flare_quad *q, int c, int ty, int n,
-                      float amount, float *out)
-{
-    const struct gp_flare_image *const m = q->image;
-    const int tx = q->corner[0];
-    const bool inside = ty >= 0 && ty + 1 < m->h;
-    // columns whose four texels are there
-    const int first = inside ? gp_clamp(-tx, 0, n) : n;
-    const int end = inside ? gp_clamp(m->w - 1 - tx, first, n) : n;
-    if (first < end) {
-        const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
-                                (size_t) (tx + first);
-        add_taps(at, at + m->w, end - first, q->fraction, amount, out + first);
-    }
-    for (int i = 0; i < n; i++) {
-        if (i >= first && i < end)
-            continue;
-        const float a = blend(texel(m, c, tx + i, ty),
-                              texel(m, c, tx + i + 1, ty), q->fraction[0]);
-        const float b = blend(texel(m, c, tx + i, ty + 1),
-                              texel(m, c, tx + i + 1, ty + 1), q->fraction[0]);
-        out[i] += amount * blend(a, b, q->fraction[1]);
-    }
-}
-
-static void image_row(const struct gp_flare_quad *q, int y,
-                      const float amount[3], float *const out[3])
-{
-    const int row = y - q->rect.y0, n = gp_rect_w(q->rect);
-    const float py = q->base[1] + (float) row;
-    for (int c = 0; c < 3; c++) {
-        const float cosine = q->turn[0] * q->radius[c];
-        const float sine = q->turn[1] * q->radius[c];
-        if (q->plain)
-            add_plain(q, c, q->corner[1] + row, n, amount[c], out[c]);
-        for (int i = 0; i < n && !q->plain; i++) {
-            const float px = q->base[0] + (float) i;
-            out[c][i] += amount[c] *
-                gp_flare_sample(q->image, c,
-                                px * cosine - py * sine + q->inner[0],
-                                px * sine + py * cosine + q->inner[1]);
-        }
-    }
 }
 
 // -- changes of elements by lights -------------------------------------------
@@ -377,15 +288,6 @@ static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
     }
 }
 
-static void add_row(const struct gp_flare_quad *q, int y, const float amount[3],
-                    float *const out[3])
-{
-    if (q->look)
-        gp_flare_look_row(q, y, amount, out);
-    else
-        image_row(q, y, amount, out);
-}
-
 /* Finds the sums over all pixels of channels drawn with an amount of 1. */
 static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
                    double sum[3])
@@ -398,7 +300,7 @@ static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
     for (int y = whole.y0; y < whole.y1; y++) {
         float row[3][4 * SUMMED] = {{0}};
         float *const to[3] = {row[0], row[1], row[2]};
-        add_row(&q, y, one, to);
+        gp_flare_add_row(&q, y, one, to);
         for (int c = 0; c < 3; c++) {
             for (int x = 0; x < gp_rect_w(whole); x++)
                 sum[c] += (double) row[c][x];
@@ -539,7 +441,7 @@ static void add_rows(void *ctx, int i, int thread)
                           (size_t) (q->rect.x0 - f.x0);
         float *const to[3] = {a->layer->c[0] + at, a->layer->c[1] + at,
                               a->layer->c[2] + at};
-        add_row(q, y, q->amount, to);
+        gp_flare_add_row(q, y, q->amount, to);
     }
 }
 

@@ -77,11 +77,9 @@ struct gp_flare_quad {
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     const struct gp_light *l, struct gp_rect display);
 
-/* Adds amount * value of a look in row y of the quad's rect. */
-void gp_flare_look_row(const struct gp_flare_quad *q, int y,
-                       const float amount[3], float *const out[3]);
-
-/* Bilinear sample at a place in texels; 0 outside. */
-float gp_flare_sample(const struct gp_flare_image *m, int c, float x, float y);
+/* Adds amount * value of a look, or sample of an image, in row y of the quad's
+ * rect. */
+void gp_flare_add_row(const struct gp_flare_quad *q, int y,
+                      const float amount[3], float *const out[3]);
 
 #endif
