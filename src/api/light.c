@@ -129,8 +129,8 @@ static gp_status note_shares(struct glarepp_frame *f)
     f->facts.light = f->share;
     f->facts.lights = suns->n;
     if (o->depth) {
-        memcpy(f->facts.depth_empty, o->facts.empty, sizeof o->facts.empty);
-        f->facts.depth_reversed = o->facts.reversed;
+        memcpy(f->facts.depth_empty, o->empty, sizeof o->empty);
+        f->facts.depth_reversed = o->reversed;
     }
     return GP_OK;
 }

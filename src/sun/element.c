@@ -1,5 +1,5 @@
 /* Closed forms of flare elements, measured in pixels: tables of their profiles,
- * rays, areas, and rows of them.
+ * rays, areas, and rows of them and of images.
  *
  * With (x, y) a pixel's centre less the element's place, turned into the
  * element's axes and y divided by its aspect's share, R the radius:
@@ -18,6 +18,7 @@
  * wavelengths where it is dispersed: light of size s is f(t / s) / s^2, or / s
  * along rays. */
 #include "core/colour.h"
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "sun/flare_priv.h"
@@ -353,12 +354,103 @@ double gp_flare_look_reach(const struct gp_flare_element *e, double diameter)
            (rays ? 3.0 * fmax(r * e->width, 0.5) + 3.0 : 0.0);
 }
 
-// -- rows --------------------------------------------------------------------
+// -- rows of images -----------------------------------------------------------
 
-/* Moves t where it is within half a pixel of a hard edge, whose ramp is m
- * pixels wide and a pixel in the table. */
-static float fit_edges(const struct gp_flare_look *l, float t, float m)
+static float texel(const struct gp_flare_image *m, int c, int x, int y)
 {
+    return x < 0 || y < 0 || x >= m->w || y >= m->h
+               ? 0.0f
+               : m->rgb.c[c][(size_t) y * (size_t) m->w + (size_t) x];
+}
+
+static float blend(float a, float b, float t)
+{
+    return a * (1.0f - t) + b * t;
+}
+
+/* Far outside, where this texel and the next are none. */
+static int clamp_texel(float v, int size)
+{
+    return (int) gp_maxf(-2.0f, gp_minf(v, (float) size));
+}
+
+/* Bilinear sample at a place in texels; 0 outside. */
+static float sample(const struct gp_flare_image *m, int c, float x, float y)
+{
+    const float u = x - 0.5f, v = y - 0.5f;
+    const float left = floorf(u), top = floorf(v);
+    const int tx = clamp_texel(left, m->w), ty = clamp_texel(top, m->h);
+    const float upper = blend(texel(m, c, tx, ty), texel(m, c, tx + 1, ty),
+                              u - left);
+    const float lower = blend(texel(m, c, tx, ty + 1),
+                              texel(m, c, tx + 1, ty + 1), u - left);
+    return blend(upper, lower, v - top);
+}
+
+GP_CLONES static void add_taps(const float *upper, const float *lower, int n,
+                               const float fraction[2], float amount,
+                               float *out)
+{
+    for (int i = 0; i < n; i++)
+        out[i] += amount * blend(blend(upper[i], upper[i + 1], fraction[0]),
+                                 blend(lower[i], lower[i + 1], fraction[0]),
+                                 fraction[1]);
+}
+
+/* At its own pixels, n of texel row ty: all have the same weights. */
+static void add_plain(const struct gp_flare_quad *q, int c, int ty, int n,
+                      float amount, float *out)
+{
+    const struct gp_flare_image *const m = q->image;
+    const int tx = q->corner[0];
+    const bool inside = ty >= 0 && ty + 1 < m->h;
+    // columns whose four texels are there
+    const int first = inside ? gp_clamp(-tx, 0, n) : n;
+    const int end = inside ? gp_clamp(m->w - 1 - tx, first, n) : n;
+    if (first < end) {
+        const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
+                                (size_t) (tx + first);
+        add_taps(at, at + m->w, end - first, q->fraction, amount, out + first);
+    }
+    for (int i = 0; i < n; i++) {
+        if (i >= first && i < end)
+            continue;
+        const float a = blend(texel(m, c, tx + i, ty),
+                              texel(m, c, tx + i + 1, ty), q->fraction[0]);
+        const float b = blend(texel(m, c, tx + i, ty + 1),
+                              texel(m, c, tx + i + 1, ty + 1), q->fraction[0]);
+        out[i] += amount * blend(a, b, q->fraction[1]);
+    }
+}
+
+static void add_image(const struct gp_flare_quad *q, int y,
+                      const float amount[3], float *const out[3])
+{
+    const int row = y - q->rect.y0, n = gp_rect_w(q->rect);
+    const float py = q->base[1] + (float) row;
+    for (int c = 0; c < 3; c++) {
+        const float cosine = q->turn[0] * q->radius[c];
+        const float sine = q->turn[1] * q->radius[c];
+        if (q->plain)
+            add_plain(q, c, q->corner[1] + row, n, amount[c], out[c]);
+        for (int i = 0; i < n && !q->plain; i++) {
+            const float px = q->base[0] + (float) i;
+            const float u = px * cosine - py * sine + q->inner[0];
+            const float v = px * sine + py * cosine + q->inner[1];
+            out[c][i] += amount[c] * sample(q->image, c, u, v);
+        }
+    }
+}
+
+// -- rows of looks ------------------------------------------------------------
+
+/* Moves t where it is within half a pixel of a hard edge across (x, y), whose ramp
+ * is a pixel wide in the table, and in the picture as much less as the larger
+ * component of a unit vector. */
+static float fit_edges(const struct gp_flare_look *l, float t, float x, float y)
+{
+    const float m = gp_maxf(fabsf(x), fabsf(y)) /
+                    gp_maxf(sqrtf(x * x + y * y), 1e-20f);
     for (int i = 0; i < l->edges; i++) {
         const float d = (t - l->edge[i]) * l->across;
         if (fabsf(d) < 0.5f) {
@@ -368,12 +460,6 @@ static float fit_edges(const struct gp_flare_look *l, float t, float m)
         }
     }
     return t;
-}
-
-/* The larger component of a unit vector along (x, y). */
-static float larger_component(float x, float y)
-{
-    return gp_maxf(fabsf(x), fabsf(y)) / gp_maxf(sqrtf(x * x + y * y), 1e-20f);
 }
 
 /* Adds the table at `at` entries, times v. */
@@ -405,7 +491,7 @@ static void value_at(const struct gp_flare_look *l,
             y = l->side[k][1];
         }
         if (l->edges)
-            t = fit_edges(l, t, larger_component(x * c + y * s, y * c - x * s));
+            t = fit_edges(l, t, x * c + y * s, y * c - x * s);
         look_up(l, t * per_t, direction_of(l, u, y), out);
     }
     for (int i = 0; i < l->rays; i++) {
@@ -440,8 +526,8 @@ static float left_of(const struct gp_flare_look *l,
     return gp_clamp01(0.5f + (r - sqrtf(dx * dx + dy * dy)) / soft);
 }
 
-void gp_flare_look_row(const struct gp_flare_quad *q, int y,
-                       const float amount[3], float *const out[3])
+static void add_look(const struct gp_flare_quad *q, int y,
+                     const float amount[3], float *const out[3])
 {
     const struct gp_flare_look *const l = q->look;
     const float py = q->base[1] + (float) (y - q->rect.y0);
@@ -461,9 +547,15 @@ void gp_flare_look_row(const struct gp_flare_quad *q, int y,
         const float left = cut ? left_of(l, q, px, py) : 1.0f;
         for (int k = 0; k < 3; k++) {
             const float dirt = l->e.shape == GP_FLARE_DIRT
-                ? gp_flare_sample(q->image, k, px * q->dirt[0] + q->dirt[2],
+                ? sample(q->image, k, px * q->dirt[0] + q->dirt[2],
                                   py * q->dirt[1] + q->dirt[3]) : 1.0f;
             out[k][i] += amount[k] * left * dirt * v[k];
         }
     }
+}
+
+void gp_flare_add_row(const struct gp_flare_quad *q, int y,
+                      const float amount[3], float *const out[3])
+{
+    (q->look ? add_look : add_image)(q, y, amount, out);
 }

@@ -3,7 +3,6 @@
 #include "sun/flare_priv.h"
 
 #include "core/colour.h"
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -17,7 +16,7 @@
  * less than 1e-3. */
 enum { SUMMED = 128 };
 
-// -- images at half size, and rows of them ------------------------------------
+// -- images at half size ------------------------------------------------------
 
 /* Texture of an image at half size, `level` times. */
 struct level {
@@ -84,94 +83,6 @@ static gp_status make_level(const struct gp_log *log,
     return st;
 }
 
-static float texel(const struct gp_flare_image *m, int c, int x, int y)
-{
-    return x < 0 || y < 0 || x >= m->w || y >= m->h
-               ? 0.0f
-               : m->rgb.c[c][(size_t) y * (size_t) m->w + (size_t) x];
-}
-
-static float blend(float a, float b, float t)
-{
-    return a * (1.0f - t) + b * t;
-}
-
-/* Far outside, where this texel and the next are none. */
-static int clamp_texel(float v, int size)
-{
-    return (int) gp_maxf(-2.0f, gp_minf(v, (float) size));
-}
-
-float gp_flare_sample(const struct gp_flare_image *m, int c, float x, float y)
-{
-    const float u = x - 0.5f, v = y - 0.5f;
-    const float left = floorf(u), top = floorf(v);
-    const int tx = clamp_texel(left, m->w), ty = clamp_texel(top, m->h);
-    const float upper = blend(texel(m, c, tx, ty), texel(m, c, tx + 1, ty),
-                              u - left);
-    const float lower = blend(texel(m, c, tx, ty + 1),
-                              texel(m, c, tx + 1, ty + 1), u - left);
-    return blend(upper, lower, v - top);
-}
-
-GP_CLONES static void add_taps(const float *upper, const float *lower, int n,
-                               const float fraction[2], float amount,
-                               float *out)
-{
-    const float s = fraction[0], t = fraction[1];
-    for (int i = 0; i < n; i++) {
-        const float a = upper[i] * (1.0f - s) + upper[i + 1] * s;
-        const float b = lower[i] * (1.0f - s) + lower[i + 1] * s;
-        out[i] += amount * (a * (1.0f - t) + b * t);
-    }
-}
-
-/* At its own pixels, n of texel row ty: all have the same weights. */
-static void add_plain(const struct gp_flare_quad *q, int c, int ty, int n,
-                      float amount, float *out)
-{
-    const struct gp_flare_image *const m = q->image;
-    const int tx = q->corner[0];
-    const bool inside = ty >= 0 && ty + 1 < m->h;
-    // columns whose four texels are there
-    const int first = inside ? gp_clamp(-tx, 0, n) : n;
-    const int end = inside ? gp_clamp(m->w - 1 - tx, first, n) : n;
-    if (first < end) {
-        const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
-                                (size_t) (tx + first);
-        add_taps(at, at + m->w, end - first, q->fraction, amount, out + first);
-    }
-    for (int i = 0; i < n; i++) {
-        if (i >= first && i < end)
-            continue;
-        const float a = blend(texel(m, c, tx + i, ty),
-                              texel(m, c, tx + i + 1, ty), q->fraction[0]);
-        const float b = blend(texel(m, c, tx + i, ty + 1),
-                              texel(m, c, tx + i + 1, ty + 1), q->fraction[0]);
-        out[i] += amount * blend(a, b, q->fraction[1]);
-    }
-}
-
-static void image_row(const struct gp_flare_quad *q, int y,
-                      const float amount[3], float *const out[3])
-{
-    const int row = y - q->rect.y0, n = gp_rect_w(q->rect);
-    const float py = q->base[1] + (float) row;
-    for (int c = 0; c < 3; c++) {
-        const float cosine = q->turn[0] * q->radius[c];
-        const float sine = q->turn[1] * q->radius[c];
-        if (q->plain)
-            add_plain(q, c, q->corner[1] + row, n, amount[c], out[c]);
-        for (int i = 0; i < n && !q->plain; i++) {
-            const float px = q->base[0] + (float) i;
-            out[c][i] += amount[c] *
-                gp_flare_sample(q->image, c,
-                                px * cosine - py * sine + q->inner[0],
-                                px * sine + py * cosine + q->inner[1]);
-        }
-    }
-}
-
 // -- changes of elements by lights -------------------------------------------
 
 static double height_of(struct gp_rect display)
@@ -189,14 +100,17 @@ static double off_centre(double x, double y, struct gp_rect display)
                       : 0.0;
 }
 
-double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
-                            double y, struct gp_rect display)
+void gp_flare_factors(const struct gp_flare_by_place *b, double x, double y,
+                      struct gp_rect display, double *size, double colour[3])
 {
     const double inside = fmin(fmin(x - display.x0, display.x1 - x),
                                fmin(y - display.y0, display.y1 - y));
     const double v = b->edge ? 2.0 * inside / fmax(height_of(display), 1.0)
                              : off_centre(x, y, display);
-    return fmax(0.0, fmin(v, 1.0)); // 0 for NaN
+    const double t = fmax(0.0, fmin(v, 1.0)); // 0 for NaN
+    *size = b->size[0] + t * (b->size[1] - b->size[0]);
+    for (int c = 0; c < 3; c++)
+        colour[c] = b->colour[0][c] + t * (b->colour[1][c] - b->colour[0][c]);
 }
 
 double gp_flare_flicker(const struct gp_flare_element *e, int frame)
@@ -214,12 +128,11 @@ static struct gp_flare_element dress(const struct gp_flare *f, int k,
     const double cx = gp_rect_middle(display, 0),
                  cy = gp_rect_middle(display, 1);
     if (e.by_place.given) {
-        const double t = gp_flare_place_share(&e.by_place, l->x, l->y, display);
-        const struct gp_flare_by_place *const b = &e.by_place;
-        e.size *= b->size[0] + t * (b->size[1] - b->size[0]);
+        double size, colour[3];
+        gp_flare_factors(&e.by_place, l->x, l->y, display, &size, colour);
+        e.size *= size;
         for (int c = 0; c < 3; c++)
-            e.colour[c] *= (float) (b->colour[0][c] +
-                                    t * (b->colour[1][c] - b->colour[0][c]));
+            e.colour[c] *= (float) colour[c];
     }
     if (e.shrink > 0.0)
         e.size *= 1.0 - e.shrink * (1.0 - fmin(l->visibility, 1.0));
@@ -238,17 +151,6 @@ static void place_of(const struct gp_flare_element *e, const struct gp_light *l,
     const double across = d > 0.0 ? e->offset * height_of(display) / d : 0.0;
     *x = l->x + e->at * dx + across * dy;
     *y = l->y + e->at * dy - across * dx;
-}
-
-/* Moves the pupil's rim towards the centre, in radii of the element. */
-static void cut_of(const struct gp_flare_element *e, const struct gp_light *l,
-                   struct gp_rect display, float cut[2])
-{
-    const double dx = gp_rect_middle(display, 0) - l->x;
-    const double dy = gp_rect_middle(display, 1) - l->y, d = hypot(dx, dy);
-    const double far = 2.0 * e->cut * off_centre(l->x, l->y, display);
-    cut[0] = d > 0.0 ? (float) (far * dx / d) : 0.0f;
-    cut[1] = d > 0.0 ? (float) (far * dy / d) : 0.0f;
 }
 
 // -- reach -------------------------------------------------------------------
@@ -386,15 +288,6 @@ static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
     }
 }
 
-static void add_row(const struct gp_flare_quad *q, int y, const float amount[3],
-                    float *const out[3])
-{
-    if (q->look)
-        gp_flare_look_row(q, y, amount, out);
-    else
-        image_row(q, y, amount, out);
-}
-
 /* Finds the sums over all pixels of channels drawn with an amount of 1. */
 static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
                    double sum[3])
@@ -407,7 +300,7 @@ static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
     for (int y = whole.y0; y < whole.y1; y++) {
         float row[3][4 * SUMMED] = {{0}};
         float *const to[3] = {row[0], row[1], row[2]};
-        add_row(&q, y, one, to);
+        gp_flare_add_row(&q, y, one, to);
         for (int c = 0; c < 3; c++) {
             for (int x = 0; x < gp_rect_w(whole); x++)
                 sum[c] += (double) row[c][x];
@@ -472,7 +365,13 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
     for (int c = 0; c < 3; c++)
         q->amount[c] = sums[c] > 0.0 ? (float) (light_of(p, c) / sums[c])
                                      : 0.0f;
-    cut_of(&p->e, p->light, p->display, q->cut);
+    // the pupil's rim moves towards the centre, in radii of the element
+    const double dx = gp_rect_middle(p->display, 0) - p->light->x;
+    const double dy = gp_rect_middle(p->display, 1) - p->light->y;
+    const double far = 2.0 * p->e.cut *
+                       off_centre(p->light->x, p->light->y, p->display);
+    q->cut[0] = dx != 0.0 ? (float) (far * dx / hypot(dx, dy)) : 0.0f;
+    q->cut[1] = dy != 0.0 ? (float) (far * dy / hypot(dx, dy)) : 0.0f;
 }
 
 static struct gp_flare_quad quad_of(const struct pair *p,
@@ -542,7 +441,7 @@ static void add_rows(void *ctx, int i, int thread)
                           (size_t) (q->rect.x0 - f.x0);
         float *const to[3] = {a->layer->c[0] + at, a->layer->c[1] + at,
                               a->layer->c[2] + at};
-        add_row(q, y, q->amount, to);
+        gp_flare_add_row(q, y, q->amount, to);
     }
 }
 

@@ -47,9 +47,9 @@ double gp_flare_look_reach(const struct gp_flare_element *e, double diameter);
 
 // -- flare: elements made ready for the lights of one frame (flare.c) --------
 
-/* Distance in [0, 1] that by_place measures, of a light at (x, y). */
-double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
-                            double y, struct gp_rect display);
+/* Factors of by_place for a light at (x, y). */
+void gp_flare_factors(const struct gp_flare_by_place *b, double x, double y,
+                      struct gp_rect display, double *size, double colour[3]);
 
 /* Factor of an element's brightness in a frame. */
 double gp_flare_flicker(const struct gp_flare_element *e, int frame);
@@ -77,11 +77,9 @@ struct gp_flare_quad {
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     const struct gp_light *l, struct gp_rect display);
 
-/* Adds amount * value of a look in row y of the quad's rect. */
-void gp_flare_look_row(const struct gp_flare_quad *q, int y,
-                       const float amount[3], float *const out[3]);
-
-/* Bilinear sample at a place in texels; 0 outside. */
-float gp_flare_sample(const struct gp_flare_image *m, int c, float x, float y);
+/* Adds amount * value of a look, or sample of an image, in row y of the quad's
+ * rect. */
+void gp_flare_add_row(const struct gp_flare_quad *q, int y,
+                      const float amount[3], float *const out[3]);
 
 #endif

@@ -284,43 +284,37 @@ static gp_status copy_element(const struct gp_json_place *p, struct gp_flare *f)
 
 // -- files -------------------------------------------------------------------
 
-/* Refuses a preset that is not installed, and lists those that are. */
-static gp_status refuse_preset(const struct gp_log *log, const char *name)
-{
-    char pattern[PATH_MAX], list[512] = "";
-    glob_t found = {0};
-    size_t used = 0;
-    if (gp_example_find("flares", pattern, sizeof pattern - 8))
-        (void) glob(strcat(pattern, "/*.json"), 0, NULL, &found);
-    for (size_t i = 0; i < found.gl_pathc && used < sizeof list; i++) {
-        const char *const word = strrchr(found.gl_pathv[i], '/') + 1;
-        used += (size_t) snprintf(list + used, sizeof list - used, "%s%.*s",
-                                  i ? ", " : "", (int) strlen(word) - 5, word);
-    }
-    globfree(&found);
-    return used ? gp_fail(log, GP_ERR_USAGE, "preset:%s: no installed flare has "
-                          "this name; use one of %s, or give a file", name, list)
-                : gp_fail(log, GP_ERR_IO, "preset:%s: no flares beside the "
-                          "program; install it whole, or name their folder's "
-                          "parent in GLAREPP_EXAMPLES", name);
-}
-
-/* Finds the file of "preset:NAME"; others are files themselves. */
+/* Finds the file of "preset:NAME"; others are files themselves. Lists presets
+ * where it is none of them. */
 static gp_status find_file(const struct gp_log *log, const char *word,
                            char found[PATH_MAX], const char **path)
 {
     static const char prefix[] = "preset:";
     const char *const name = word + sizeof prefix - 1;
-    char file[NAME_MAX];
+    char file[NAME_MAX], list[512] = "";
+    glob_t all = {0};
+    size_t used = 0;
     *path = word;
     if (strncmp(word, prefix, sizeof prefix - 1) != 0)
         return GP_OK;
-    const int n = snprintf(file, sizeof file, "flares/%s.json", name);
-    if (!*name || strchr(name, '/') || (size_t) n >= sizeof file ||
-        !gp_example_find(file, found, PATH_MAX))
-        return refuse_preset(log, name);
     *path = found;
-    return GP_OK;
+    const int n = snprintf(file, sizeof file, "flares/%s.json", name);
+    if (*name && !strchr(name, '/') && (size_t) n < sizeof file &&
+        gp_example_find(file, found, PATH_MAX))
+        return GP_OK;
+    if (gp_example_find("flares", found, PATH_MAX - 8))
+        (void) glob(strcat(found, "/*.json"), 0, NULL, &all);
+    for (size_t i = 0; i < all.gl_pathc && used < sizeof list; i++) {
+        const char *const one = strrchr(all.gl_pathv[i], '/') + 1;
+        used += (size_t) snprintf(list + used, sizeof list - used, "%s%.*s",
+                                  i ? ", " : "", (int) strlen(one) - 5, one);
+    }
+    globfree(&all);
+    return used ? gp_fail(log, GP_ERR_USAGE, "preset:%s: no installed flare has "
+                          "this name; use one of %s, or give a file", name, list)
+                : gp_fail(log, GP_ERR_IO, "preset:%s: no flares beside the "
+                          "program; install it whole, or name their folder's "
+                          "parent in GLAREPP_EXAMPLES", name);
 }
 
 gp_status gp_flare_read(const struct gp_log *log, const char *word,

@@ -228,27 +228,18 @@ struct sums {
     int lo, hi;
 };
 
-/* Factors of a source's colour by its place. */
-static void dim_by_place(const struct gp_ghosts *g, const struct gp_ghost *run,
-                         int x, int y, double dim[3])
-{
-    const struct gp_flare_by_place *const b = &run->e->by_place;
-    const double t = gp_flare_place_share(b, x + 0.5, y + 0.5, g->display);
-    for (int c = 0; c < 3; c++)
-        dim[c] = b->colour[0][c] + t * (b->colour[1][c] - b->colour[0][c]);
-}
-
 /* Adds `weight` of row y of the sources. */
 static void add_row(const struct gp_ghosts *g, const struct gp_ghost *run,
     const struct gp_sources *src, int y, double weight, int x0, int w,
     struct sums *to)
 {
-    double dim[3] = {1.0, 1.0, 1.0};
+    double dim[3] = {1.0, 1.0, 1.0}, size;
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
         double after;
         const int x = point_of(run, 0, src->x0 + src->x[i], &after) - x0;
         if (run->e->by_place.given)
-            dim_by_place(g, run, src->x0 + src->x[i], src->y0 + y, dim);
+            gp_flare_factors(&run->e->by_place, src->x0 + src->x[i] + 0.5,
+                             src->y0 + y + 0.5, g->display, &size, dim);
         for (int k = 0; k < 2; k++) {
             const double share = weight * (k == 0 ? 1.0 - after : after);
             if (x + k < 0 || x + k >= w || !(share > 0.0))

@@ -213,8 +213,6 @@ void gp_lens_item_place(const struct gp_lens_view *v,
     // bands of equal width in nm are three times as far apart in the blue
     const double allowed = (v->detail ? 0.5 : 3.0 * ease) * (1 << level);
     const int sets = v->detail ? GP_LENS_SETS : GP_LENS_SETS_COARSE;
-    it->y0 = INFINITY;
-    it->y1 = -INFINITY;
     for (int i = 0; i < cells; i++) {
         int set = 0;
         if (!measure(v, it, i, box, &apart))
@@ -233,11 +231,9 @@ void gp_lens_item_place(const struct gp_lens_view *v,
                 continue;
             it->cell[half][i] = (struct gp_lens_cell) {
                 (float) b.y0, (float) b.y1, (uint8_t) (1 + set)};
-            it->y0 = gp_mind(it->y0, b.y0);
-            it->y1 = gp_maxd(it->y1, b.y1);
+            it->level = level;
         }
     }
-    it->level = it->y0 < it->y1 ? level : -1;
 }
 
 // -- drawing ------------------------------------------------------------------
@@ -315,7 +311,7 @@ static void make_rays(const struct gp_lens_item *it, int set,
 
 /* Spreads a piece of a cell; one that a caustic folds as triangles. */
 static void add_piece(const struct gp_lens_cover *k, int n,
-                      const struct gp_lens_corner *c, const double light[3])
+                      const union gp_lens_corner *c, const double light[3])
 {
     double p[GP_LENS_CORNERS][2], before[GP_LENS_CORNERS], all = 0.0;
     bool left = false, right = false;
@@ -350,14 +346,14 @@ static void add_piece(const struct gp_lens_cover *k, int n,
  * the lens: `light` is the cell's mean, whose sum the corners' `through` is. */
 static void add_cell(const struct gp_lens_cover *k,
                      const struct gp_lens_item *it,
-                     struct gp_lens_corner c[GP_LENS_CORNERS],
+                     union gp_lens_corner c[GP_LENS_CORNERS],
                      const double light[3])
 {
     const int n = gp_lens_cut(&it->blades, it->mesh.passes, c);
     const double all = light[0] + light[1] + light[2];
     double area = 0.0, through = 0.0, own[3];
     for (int i = 0; i < n; i++) {
-        const struct gp_lens_corner *const b = &c[i + 1 < n ? i + 1 : 0];
+        const union gp_lens_corner *const b = &c[i + 1 < n ? i + 1 : 0];
         area += 0.5 * (c[i].p * b->q - b->p * c[i].q);
         through += c[i].through / n;
     }
@@ -439,7 +435,7 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                 density[j * down + i][c] = light[c] * share * dx * dy;
             if (share != 0.0)
                 continue;
-            struct gp_lens_corner c[GP_LENS_CORNERS];
+            union gp_lens_corner c[GP_LENS_CORNERS];
             for (int e = 0; e < 4; e++) {
                 const double *const own = rays->light[at[e]];
                 c[e] = gp_lens_corner_of(
@@ -493,9 +489,7 @@ void gp_lens_item_draw(const struct gp_lens_item *it,
     const unsigned sets = find_cells(it, (top - 1.0) * step,
                                      (end - 1.0) * step, rays);
     for (int set = 0; set < GP_LENS_SETS; set++) {
-        const bool has = sets >> set & 1;
-        const int bands = has ? bands_of_set[set] : 0;
-        for (int b = 0; b < bands; b++) {
+        for (int b = 0; sets >> set & 1 && b < bands_of_set[set]; b++) {
             make_rays(it, set, &band[set][b], step, scale, rays);
             draw_half(it, rays, 0, set, &k);
             draw_half(it, rays, 1, set, &k);

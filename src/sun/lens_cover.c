@@ -43,20 +43,14 @@ static void add_in_row(double *row, double x0, double x1, double high,
 static void add_edge(const struct gp_lens_cover *k, double x0, double y0,
                      double x1, double y1, const double light[3])
 {
-    const double sign = y0 < y1 ? 1.0 : -1.0;
     if (y0 == y1)
         return;
-    if (y0 > y1) {
-        const double x = x0, y = y0;
-        x0 = x1;
-        y0 = y1;
-        x1 = x;
-        y1 = y;
-    }
-    const double step = (x1 - x0) / (y1 - y0);
-    const double from = gp_maxd(y0, k->y0), to = gp_mind(y1, k->y1);
+    const double sign = y0 < y1 ? 1.0 : -1.0, first = y0 < y1 ? x0 : x1;
+    const double step = (x1 - x0) / (y1 - y0), top = gp_mind(y0, y1);
+    const double from = gp_maxd(top, k->y0);
+    const double to = gp_mind(gp_maxd(y0, y1), k->y1);
     const double low = gp_mind(x0, x1), high = gp_maxd(x0, x1);
-    double x = gp_mind(gp_maxd(x0 + step * (from - y0), low), high);
+    double x = gp_mind(gp_maxd(first + step * (from - top), low), high);
     int row = (int) from; // over 0
     double *at = k->v + 3 * (size_t) (row - k->top) * (size_t) (k->w + 2);
     for (double y = from; y < to; row++, at += 3 * (k->w + 2)) {

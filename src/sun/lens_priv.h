@@ -53,12 +53,15 @@ struct gp_lens_blades {
     double normal[32][2], apothem;
 };
 
-/* A corner of a piece of a cell. */
-struct gp_lens_corner {
-    double p, q;   // before the lens
-    double x, y;   // on the sensor
-    double through, rim;
-    double stop[GP_LENS_PASSES][2];
+/* A corner of a piece of a cell; all of it is linear between two. */
+union gp_lens_corner {
+    struct {
+        double p, q;   // before the lens
+        double x, y;   // on the sensor
+        double through, rim;
+        double stop[GP_LENS_PASSES][2];
+    };
+    double all[6 + 2 * GP_LENS_PASSES];
 };
 enum { GP_LENS_CORNERS = 4 + 1 + GP_LENS_PASSES * 32 };
 
@@ -105,13 +108,13 @@ static inline bool gp_lens_is_clear(const struct gp_lens_blades *b, int passes,
 
 /* Returns the corner of a cell at a ray, at (p, q) before the lens; `sign` -1:
  * of the mesh's other half. */
-struct gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
+union gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
                                         double q, double sign);
 
 /* Cuts the cell of corners c[0..3], in turn, by rims and blades, in place;
  * c has room for GP_LENS_CORNERS. Returns the corners left, 0: nothing. */
 int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
-                struct gp_lens_corner c[GP_LENS_CORNERS]);
+                union gp_lens_corner c[GP_LENS_CORNERS]);
 
 /* Rows [top, ...) of an accumulator: w + 2 columns of three channels a row,
  * whose running sums are light a pixel. Draws rows from y0 up to y1. */
@@ -174,12 +177,11 @@ struct gp_lens_cell {
 struct gp_lens_item {
     struct gp_lens_mesh mesh;
     struct gp_lens_blades blades;
-    double flux[3], turn[2], u; // turn: cosine and sine of the light's axis
+    double flux[3], u;
     double along[2], aside[2], middle[2]; // pixels of the layer: of a mm along
                                           // and across the light's axis, and
                                           // of the lens's axis
-    double y0, y1;     // rows of the layer that it covers
-    int level;         // of its step; negative: outside the frame
+    int level;         // of its step; negative: no cell is in the frame
     struct gp_lens_cell cell[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // halves
 };
 

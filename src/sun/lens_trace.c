@@ -251,42 +251,28 @@ struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
     return b;
 }
 
-static struct gp_lens_corner between(const struct gp_lens_corner *a,
-                                     const struct gp_lens_corner *b, double t)
+static union gp_lens_corner between(const union gp_lens_corner *a,
+                                    const union gp_lens_corner *b, double t)
 {
-    struct gp_lens_corner c = {
-        a->p + t * (b->p - a->p), a->q + t * (b->q - a->q),
-        a->x + t * (b->x - a->x), a->y + t * (b->y - a->y),
-        a->through + t * (b->through - a->through),
-        a->rim + t * (b->rim - a->rim), {{0.0}},
-    };
-    for (int k = 0; k < GP_LENS_PASSES; k++) {
-        for (int i = 0; i < 2; i++)
-            c.stop[k][i] = a->stop[k][i] + t * (b->stop[k][i] - a->stop[k][i]);
-    }
+    union gp_lens_corner c;
+    for (size_t i = 0; i < sizeof c.all / sizeof *c.all; i++)
+        c.all[i] = a->all[i] + t * (b->all[i] - a->all[i]);
     return c;
 }
 
-/* Excess of a corner over a limit: over 0 outside. The limit of the rims where
- * `normal` is NULL. */
-static double excess(const struct gp_lens_corner *c, int pass,
-                     const double *normal, double apothem)
-{
-    return normal ? normal[0] * c->stop[pass][0] +
-                        normal[1] * c->stop[pass][1] - apothem
-                  : c->rim - 1.0;
-}
-
-/* Cuts by one limit: Sutherland and Hodgman 1974. */
-static int cut_by(struct gp_lens_corner *c, int n, int pass,
+/* Cuts by one limit: a blade's, that of the rims where `normal` is NULL. Source:
+ * Sutherland and Hodgman 1974. */
+static int cut_by(union gp_lens_corner *c, int n, int pass,
                   const double *normal, double apothem)
 {
-    struct gp_lens_corner out[GP_LENS_CORNERS];
+    union gp_lens_corner out[GP_LENS_CORNERS];
     double e[GP_LENS_CORNERS];
     int m = 0;
     bool cuts = false;
     for (int i = 0; i < n; i++) {
-        e[i] = excess(&c[i], pass, normal, apothem);
+        const double *const stop = c[i].stop[pass];
+        e[i] = normal ? normal[0] * stop[0] + normal[1] * stop[1] - apothem
+                      : c[i].rim - 1.0; // over 0: outside
         cuts = cuts || e[i] > 0.0;
     }
     if (!cuts)
@@ -303,7 +289,7 @@ static int cut_by(struct gp_lens_corner *c, int n, int pass,
 }
 
 int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
-                struct gp_lens_corner c[GP_LENS_CORNERS])
+                union gp_lens_corner c[GP_LENS_CORNERS])
 {
     int n = cut_by(c, 4, 0, NULL, 0.0);
     for (int pass = 0; pass < passes; pass++) {
@@ -349,10 +335,10 @@ static void trace_rays(const struct gp_lens_optics *o,
     }
 }
 
-struct gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
+union gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
                                         double q, double sign)
 {
-    struct gp_lens_corner c = {.p = p, .q = sign * q, .x = h->x, .y = h->y,
+    union gp_lens_corner c = {.p = p, .q = sign * q, .x = h->x, .y = h->y,
                                .through = (double) h->through,
                                .rim = (double) h->rim};
     for (int k = 0; k < GP_LENS_PASSES; k++) {
@@ -381,7 +367,7 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
         const double sign = half ? -1.0 : 1.0;
         for (int j = 0; j + every <= m->cells / 2; j += every) {
             for (int i = 0; i + every <= m->cells; i += every) {
-                struct gp_lens_corner c[GP_LENS_CORNERS];
+                union gp_lens_corner c[GP_LENS_CORNERS];
                 bool arrives = true, clear = true;
                 double passed = 0.0; // of corners within the rims
                 for (int k = 0; k < 4; k++) {
@@ -401,8 +387,8 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
                 const int n = clear ? 4 : gp_lens_cut(blades, m->passes, c);
                 double before = 0.0, after = 0.0, through = 0.0;
                 for (int k = 0; k < n; k++) {
-                    const struct gp_lens_corner *const a = &c[k];
-                    const struct gp_lens_corner *const b = &c[(k + 1) % n];
+                    const union gp_lens_corner *const a = &c[k];
+                    const union gp_lens_corner *const b = &c[(k + 1) % n];
                     before += 0.5 * (a->p * b->q - b->p * a->q);
                     after += 0.5 * (a->x * b->y - b->x * a->y);
                     through += a->through / n;

@@ -298,9 +298,9 @@ void gp_camera_file_free(struct gp_camera_file *f)
 const struct gp_camera_frame *
 gp_camera_frame_find(const struct gp_camera_file *f, long long number)
 {
-    if (f->n == 1)
-        return &f->at[0];
-    const struct gp_camera_frame key = {.frame = number};
-    return f->n ? bsearch(&key, f->at, (size_t) f->n, sizeof key, by_number)
-                : NULL;
+    for (int i = 0; i < f->n; i++) {
+        if (f->n == 1 || f->at[i].frame == number)
+            return &f->at[i];
+    }
+    return NULL;
 }

@@ -40,7 +40,7 @@ struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
     struct gp_sun_pixel p = {INFINITY, 0.0f};
     const float *const z = has(o->depth) ? sample_at(o->depth, x, y) : NULL;
     if (z && gp_is_surface(o->surfaces, *z)) {
-        p.place = gp_surface_place(o->type, o->facts.reversed, *z);
+        p.place = gp_surface_place(o->type, o->reversed, *z);
         p.cover = 1.0f;
     }
     if (has(o->mask)) {
@@ -114,7 +114,8 @@ GP_CLONES static void span_huge(const float *v, size_t n, float *lo, float *hi)
 
 void gp_occluders_count(struct gp_occluders *o)
 {
-    o->facts = (struct gp_depth_facts) {.empty = "none"};
+    o->reversed = false;
+    strcpy(o->empty, "none");
     if (!has(o->depth) || gp_rect_empty(o->depth->window))
         return;
     const size_t n = (size_t) gp_rect_w(o->depth->window) *
@@ -122,14 +123,13 @@ void gp_occluders_count(struct gp_occluders *o)
     const struct gp_depth_range fore = gp_depth_range_of(o->type, false);
     const struct gp_depth_range back = gp_depth_range_of(o->type, true);
     const int are = kinds_of(o->depth->v, n, fore, back);
-    struct gp_depth_facts *const f = &o->facts;
     const bool share = o->type == GP_DEPTH_NORMALIZED;
     const bool axis = o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY;
     if (share)
-        f->reversed = !(are & (ONE | OVER)) && are & ZERO;
+        o->reversed = !(are & (ONE | OVER)) && are & ZERO;
     else if (axis)
-        f->reversed = !(are & FORE) && are & BACK;
-    o->surfaces = f->reversed ? back : fore;
+        o->reversed = !(are & FORE) && are & BACK;
+    o->surfaces = o->reversed ? back : fore;
 
     // the kinds of empty samples that occur
     char huge[32]; // one, or from the least to the most
@@ -138,25 +138,25 @@ void gp_occluders_count(struct gp_occluders *o)
         span_huge(o->depth->v, n, &lo, &hi);
     snprintf(huge, sizeof huge, lo == hi ? "%g" : "%g to %g", (double) lo,
              (double) hi);
-    const bool first = !share || f->reversed; // 0 and less is empty
+    const bool first = !share || o->reversed; // 0 and less is empty
     const struct {
         int is;
         const char *text;
     } kind[] = {
         {first ? ZERO : 0, "0"},
         {TINY, "under 1e-09"},
-        {first && !(axis && f->reversed) ? NEGATIVE : 0, "negative"},
+        {first && !(axis && o->reversed) ? NEGATIVE : 0, "negative"},
         {share ? ONE : 0, "1"},
         {share ? OVER : 0, "over 1"},
-        {axis ? HALF_MAX : 0, f->reversed ? "-65504" : "65504"},
+        {axis ? HALF_MAX : 0, o->reversed ? "-65504" : "65504"},
         {axis ? HUGE_ONE : 0, huge},
         {axis ? INFINITE : 0, "inf"},
         {NOT_A_NUMBER, "nan"},
     };
     size_t used = 0;
     for (size_t i = 0; i < sizeof kind / sizeof *kind; i++) {
-        if (are & kind[i].is && used < sizeof f->empty)
-            used += (size_t) snprintf(f->empty + used, sizeof f->empty - used,
+        if (are & kind[i].is && used < sizeof o->empty)
+            used += (size_t) snprintf(o->empty + used, sizeof o->empty - used,
                                       "%s%s", used ? ", " : "", kind[i].text);
     }
 }

@@ -21,25 +21,20 @@
 
 #include <stddef.h>
 
-/* Facts that follow from all depth samples of a frame. */
-struct gp_depth_facts {
-    bool reversed;  // sign or direction turned, see core/depth.h
-    char empty[64]; // values of the background that occur: "1e+10",
-                    // "0, inf", "none"
-};
-
 struct gp_occluders {
     const struct gp_plane *depth, *mask; // borrowed; NULL: none
     enum gp_depth_type type;
     struct gp_rect frame;        // pixels that may be hidden or clear:
                                  // display and data window together, or with
                                  // GP_OUTSIDE_SCENE the data window as read
-    struct gp_depth_facts facts; // by gp_occluders_count(), and
+    // by gp_occluders_count(), of all depth samples
     struct gp_depth_range surfaces;
+    bool reversed;  // sign or direction turned, see core/depth.h
+    char empty[64]; // values of the background that occur: "1e+10",
+                    // "0, inf", "none"
 };
 
-/* Fills o->facts and surfaces from o->depth's samples. Call before anything
- * below; no depth is fine. */
+/* Looks at o->depth's samples. Call before anything below; no depth is fine. */
 void gp_occluders_count(struct gp_occluders *o);
 
 /* A pixel, anywhere in the plane. */

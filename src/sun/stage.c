@@ -41,20 +41,11 @@ static gp_status read_image(const struct gp_log *log, gp_sun_picture picture,
 gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
     enum gp_gl_api api, gp_sun_picture picture, void *user, struct gp_suns *out)
 {
-    struct gp_light_spec *lamps = NULL;
-    int n = 0;
     gp_status st = GP_OK;
     out->p = p;
     out->api = api;
     if (p->lights)
-        GP_TRY(gp_lights_read(log, p->lights, &lamps, &n));
-    GP_TRY(gp_alloc(log, "lights", (size_t) (p->specs + n) + 1,
-                    sizeof *out->spec, &out->spec));
-    if (p->specs)
-        memcpy(out->spec, p->spec, (size_t) p->specs * sizeof *p->spec);
-    if (n)
-        memcpy(out->spec + p->specs, lamps, (size_t) n * sizeof *lamps);
-    out->specs = p->specs + n;
+        GP_TRY(gp_lights_read(log, p->lights, &out->spec, &out->specs));
     if (p->camera)
         GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
     if (p->flare)
@@ -73,7 +64,6 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
             GP_TRY(read_image(log, picture, user, &out->flare.element[k]));
     }
 out:
-    gp_free(lamps);
     return st;
 }
 
@@ -152,21 +142,29 @@ static struct gp_light_spec sun_of(const struct gp_suns *suns,
     return spec;
 }
 
+/* The lights of the run, then of its file, then of the frame. */
+static const struct gp_light_spec *spec_at(const struct gp_suns *suns, int i)
+{
+    const int own = suns->p->specs, read = own + suns->specs;
+    return i < own    ? &suns->p->spec[i]
+           : i < read ? &suns->spec[i - own] : &suns->more.spec[i - read];
+}
+
 gp_status gp_suns_find(const struct gp_log *log,
                        const struct gp_sun_about *about,
                        const struct gp_image *f, struct gp_suns *suns)
 {
     const struct gp_sun_params *const p = suns->p;
     const struct gp_suns_more *const more = &suns->more;
-    const int all = suns->specs + more->specs;
+    const int read = p->specs + suns->specs, all = read + more->specs;
     const struct gp_camera_frame *entry;
     struct gp_camera camera;
     bool found = false, needed = p->camera || more->specs > 0 ||
                                 p->map.outside == GP_OUTSIDE_SCENE;
     gp_status st;
     // a camera that no light needs is not looked at, and may be wrong
-    for (int i = 0; i < suns->specs; i++)
-        needed = needed || suns->spec[i].place != GP_PLACE_PIXEL;
+    for (int i = 0; i < read; i++)
+        needed = needed || spec_at(suns, i)->place != GP_PLACE_PIXEL;
     GP_TRY(find_entry(log, suns, about, f, &entry));
     if (needed)
         GP_TRY(gp_suns_camera(log, suns, about, f, &camera, &found));
@@ -188,9 +186,8 @@ gp_status gp_suns_find(const struct gp_log *log,
     GP_TRY(gp_alloc(log, "lights", (size_t) (all + sun),
                     sizeof *suns->light, &suns->light));
     for (int i = -(int) sun; i < all; i++) {
-        const struct gp_light_spec spec =
-            i < 0             ? sun_of(suns, entry, f)
-            : i < suns->specs ? suns->spec[i] : more->spec[i - suns->specs];
+        const struct gp_light_spec spec = i < 0 ? sun_of(suns, entry, f)
+                                                : *spec_at(suns, i);
         GP_TRY(gp_light_place_in(log, f->path, &spec, found ? &camera : NULL,
                                  p->depth_type, f->display,
                                  &suns->light[suns->n]));

@@ -69,7 +69,7 @@ struct gp_suns {
     // of the run
     const struct gp_sun_params *p; // borrowed
     enum gp_gl_api api;
-    struct gp_light_spec *spec; // owned
+    struct gp_light_spec *spec; // owned; of p->lights
     int specs;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read

@@ -67,12 +67,6 @@ GP_MUST_CHECK gp_status gp_sun_readback(
     struct gp_light *light, int n, struct gp_sun_map **state);
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
 
-/* Returns the visibility of one light on the CPU, the plain form of the map,
- * summed in double whatever p->sum; `map` gets p->side squared texels of r and
- * g, or is NULL. */
-double gp_sun_map_reference(const struct gp_occluders *o,
-    const struct gp_map_params *p, const struct gp_light *light, float *map);
-
 /* Makes the pictures of --debug by the plain form, whatever the method: sun
  * maps of all lights, about as many in a row as in a column; or, where p is
  * NULL, the intensity map, n x 1. *out has planes of *w x *h, values 0 to 1. */

@@ -92,11 +92,11 @@ static void test_backgrounds(void **state)
         memcpy(v, grounds[i].v, sizeof v);
         const struct gp_plane p = row_of(v, n);
         const struct gp_occluders o = counted(&p, NULL, grounds[i].type);
-        if (o.facts.reversed != grounds[i].reversed)
-            fail_msg("%s: reversed is %d", grounds[i].name, o.facts.reversed);
-        if (strcmp(o.facts.empty, grounds[i].empty) != 0)
+        if (o.reversed != grounds[i].reversed)
+            fail_msg("%s: reversed is %d", grounds[i].name, o.reversed);
+        if (strcmp(o.empty, grounds[i].empty) != 0)
             fail_msg("%s: empty is '%s', not '%s'", grounds[i].name,
-                     o.facts.empty, grounds[i].empty);
+                     o.empty, grounds[i].empty);
         for (int k = 0; k < n; k++)
             assert_same(gp_occluders_at(&o, k, 0).place, grounds[i].place[k],
                         grounds[i].name, k);
@@ -113,7 +113,7 @@ static void test_no_depth(void **state)
         counted(NULL, &none, Z), counted(&none, &mask, NRM)};
     const struct gp_light l = GP_LIGHT_DEFAULTS;
     for (int i = 0; i < 4; i++) {
-        assert_string_equal(each[i].facts.empty, "none");
+        assert_string_equal(each[i].empty, "none");
         assert_same(gp_occluders_show(&each[i], &l, 0, 0, NULL),
                     i < 3 ? 1 : 0.75, "show", i);
     }
