@@ -117,13 +117,12 @@ struct glarepp_params {
                            // the installation's; NULL: none
     const char *osmesa, *egl; // GL library files; NULL: the system's
     int gl_size;           // largest side of a GL texture; 0: the driver's
-    bool base_cpu;         // takes no code for later CPUs than the build's
     bool keep_memory;      // keeps the pages of freed planes for the next ones,
                            // in all contexts of the process
 };
 #define GLAREPP_PARAMS                                                        \
     { sizeof(struct glarepp_params), 0, GLAREPP_WARNING, NULL, NULL, NULL,    \
-      NULL, NULL, NULL, NULL, NULL, NULL, 0, false, false }
+      NULL, NULL, NULL, NULL, NULL, NULL, 0, false }
 
 struct glarepp; // a context
 

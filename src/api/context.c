@@ -166,7 +166,7 @@ int glarepp_open(const struct glarepp_params *p, struct glarepp **out)
     GP_TRY(keep_text(&gp->log, &gp->params.egl, &gp->egl));
     gp->env = (struct gp_env) {
         .bridges = gp->bridges, .data = gp->data, .osmesa = gp->osmesa,
-        .egl = gp->egl, .gl_size = own.gl_size, .base_cpu = own.base_cpu,
+        .egl = gp->egl, .gl_size = own.gl_size,
     };
     GP_TRY(gp_pool_make(&gp->log, own.threads, &gp->env.pool));
     if (own.keep_memory)

@@ -169,10 +169,12 @@ struct glarepp_frame {
 };
 
 /* The kernel of a frame; empty where none was needed. */
-const struct gp_kernel *gp_api_kernel(const struct glarepp_frame *f);
-
-/* Makes image.layer, all 0, unless it is there. */
-GP_MUST_CHECK gp_status gp_api_dark_layer(struct glarepp_frame *f);
+static inline const struct gp_kernel *
+gp_api_kernel(const struct glarepp_frame *f)
+{
+    static const struct gp_kernel none;
+    return f->kernel ? &f->kernel->k : &none;
+}
 
 /* The vertical angle of view by the plan or the frame's or scene's camera; 0:
  * by none. */

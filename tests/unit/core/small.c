@@ -2,7 +2,6 @@
  * program's other files, the CPU. */
 #include "unit.h"
 #include "core/bridge.h"
-#include "core/cpu.h"
 #include "core/image.h"
 #include "core/json.h"
 #include "core/memory.h"
@@ -171,20 +170,6 @@ static void bridges_are_looked_for(void **state)
     set_env("GLAREPP_BRIDGES", NULL);
 }
 
-static void cpu_can_be_told(void **state)
-{
-    static const char *const others[] = {"", "bas", "basement", "avx2"};
-    set_env("GLAREPP_CPU", NULL);
-    const bool there = gp_cpu_has_avx2();
-    set_env("GLAREPP_CPU", "base");
-    assert_false(gp_cpu_has_avx2());
-    for (int i = 0; i < 4; i++) {
-        set_env("GLAREPP_CPU", others[i]);
-        assert_true(gp_cpu_has_avx2() == there);
-    }
-    set_env("GLAREPP_CPU", NULL);
-}
-
 /* Only the samples asked for become 0, in few as in many. */
 static void planes_are_cleared(void **state)
 {
@@ -208,4 +193,4 @@ static void planes_are_cleared(void **state)
 SUITE_OF(small, NULL, NULL, names_move_no_cursor,
          json_is_whole_or_null,
          messages_are_one_line, statuses_have_texts, bridges_are_looked_for,
-         cpu_can_be_told, planes_are_cleared)
+         planes_are_cleared)
