@@ -33,7 +33,7 @@ struct glarepp {
     struct gp_log log;
     struct gp_api_sink sink;
     struct glarepp_params params;
-    char *data, *bridges, *osmesa, *egl; // owned copies of `params`
+    char *text[4];           // owned copies of strings of `params`
     char *list[2];           // names in folders, null bytes between; owned
 };
 
