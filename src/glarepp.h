@@ -686,9 +686,7 @@ struct glarepp_layer_facts {
     double bound_pixel;      // of max_rel; 0: not asked for
     int fft_w, fft_h;        // transform; 0: none
     bool in_double;
-    int far_step;            // pixels between samples of the far part; 0: none
     int near[2];             // radii of the kernel's part that went direct; -1
-    long long hot;           // sources that went direct
     long long groups, clusters, polygons, cores; // of splat
     double polygon_pixels;
     const char *form;        // in which polygons were drawn; NULL

@@ -1,7 +1,7 @@
 /* FLIP. LDR: tile after tile, each picture is filtered in a tile with its
  * surroundings, its colours and features are kept, and compared with those of
  * the other. HDR: the largest LDR-FLIP of many exposures. */
-#include "compare/flip.h"
+#include "compare/compare.h"
 
 #include "core/colour.h"
 #include "core/cpu.h"
@@ -17,7 +17,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Pixels a degree: flip.h. */
+/* Pixels a degree: compare.h. */
 static const double PPD = (double) 67.0206f;
 
 /* The filters of FLIP: the eye's resolution, and its detectors of edges and

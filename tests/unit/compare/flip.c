@@ -1,7 +1,7 @@
 /* compare/flip.c: against a form of the papers in double with plain
  * two-dimensional filters (numpy and scipy), and by law. */
 #include "unit.h"
-#include "compare/flip.h"
+#include "compare/compare.h"
 #include "core/parallel.h"
 
 #include <float.h>
