@@ -117,13 +117,12 @@ struct glarepp_params {
                            // the installation's; NULL: none
     const char *osmesa, *egl; // GL library files; NULL: the system's
     int gl_size;           // largest side of a GL texture; 0: the driver's
-    bool base_cpu;         // takes no code for later CPUs than the build's
     bool keep_memory;      // keeps the pages of freed planes for the next ones,
                            // in all contexts of the process
 };
 #define GLAREPP_PARAMS                                                        \
     { sizeof(struct glarepp_params), 0, GLAREPP_WARNING, NULL, NULL, NULL,    \
-      NULL, NULL, NULL, NULL, NULL, NULL, 0, false, false }
+      NULL, NULL, NULL, NULL, NULL, NULL, 0, false }
 
 struct glarepp; // a context
 
@@ -687,9 +686,7 @@ struct glarepp_layer_facts {
     double bound_pixel;      // of max_rel; 0: not asked for
     int fft_w, fft_h;        // transform; 0: none
     bool in_double;
-    int far_step;            // pixels between samples of the far part; 0: none
     int near[2];             // radii of the kernel's part that went direct; -1
-    long long hot;           // sources that went direct
     long long groups, clusters, polygons, cores; // of splat
     double polygon_pixels;
     const char *form;        // in which polygons were drawn; NULL

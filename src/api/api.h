@@ -33,7 +33,7 @@ struct glarepp {
     struct gp_log log;
     struct gp_api_sink sink;
     struct glarepp_params params;
-    char *data, *bridges, *osmesa, *egl; // owned copies of `params`
+    char *text[4];           // owned copies of strings of `params`
     char *list[2];           // names in folders, null bytes between; owned
 };
 
@@ -87,6 +87,10 @@ GP_MUST_CHECK gp_status gp_api_plane(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_api_export(const struct gp_log *log,
     const struct gp_planes *planes, struct gp_rect data,
     const struct glarepp_image *view);
+
+/* Makes image->layer, all 0, unless it is there. */
+GP_MUST_CHECK gp_status gp_api_dark_layer(const struct gp_log *log,
+                                          struct gp_image *image);
 
 /* Returns a view of planes of `data`, of a frame or (NULL) of none. */
 struct glarepp_image gp_api_view(const struct gp_planes *planes,

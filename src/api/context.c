@@ -133,14 +133,19 @@ void glarepp_leave(struct glarepp *gp)
 
 // -- contexts -----------------------------------------------------------------
 
-/* Replaces a parameter by a copy that the context owns. */
-static gp_status keep_text(const struct gp_log *log, const char **text,
-                           char **owned)
+/* Replaces strings of the parameters by copies that the context owns. */
+static gp_status keep_texts(const struct gp_log *log, struct glarepp *gp)
 {
-    if (!*text)
-        return GP_OK;
-    *text = *owned = gp_strdup(*text);
-    return *owned ? GP_OK : gp_no_memory_bare(log, "context");
+    struct glarepp_params *const p = &gp->params;
+    const char **const text[] = {&p->data, &p->bridges, &p->osmesa, &p->egl};
+    for (int i = 0; i < 4; i++) {
+        if (!*text[i])
+            continue;
+        *text[i] = gp->text[i] = gp_strdup(*text[i]);
+        if (!gp->text[i])
+            return gp_no_memory_bare(log, "context");
+    }
+    return GP_OK;
 }
 
 int glarepp_open(const struct glarepp_params *p, struct glarepp **out)
@@ -160,13 +165,11 @@ int glarepp_open(const struct glarepp_params *p, struct glarepp **out)
     if (own.threads < 0)
         GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "params.threads", "threads: "
                           "a negative number (found %d)", own.threads));
-    GP_TRY(keep_text(&gp->log, &gp->params.data, &gp->data));
-    GP_TRY(keep_text(&gp->log, &gp->params.bridges, &gp->bridges));
-    GP_TRY(keep_text(&gp->log, &gp->params.osmesa, &gp->osmesa));
-    GP_TRY(keep_text(&gp->log, &gp->params.egl, &gp->egl));
+    GP_TRY(keep_texts(&gp->log, gp));
     gp->env = (struct gp_env) {
-        .bridges = gp->bridges, .data = gp->data, .osmesa = gp->osmesa,
-        .egl = gp->egl, .gl_size = own.gl_size, .base_cpu = own.base_cpu,
+        .bridges = gp->params.bridges, .data = gp->params.data,
+        .osmesa = gp->params.osmesa, .egl = gp->params.egl,
+        .gl_size = own.gl_size,
     };
     GP_TRY(gp_pool_make(&gp->log, own.threads, &gp->env.pool));
     if (own.keep_memory)
@@ -184,10 +187,8 @@ void glarepp_close(struct glarepp **context)
     if (!gp)
         return;
     gp_pool_free(&gp->env.pool);
-    free(gp->data);
-    free(gp->bridges);
-    free(gp->osmesa);
-    free(gp->egl);
+    for (int i = 0; i < 4; i++)
+        free(gp->text[i]);
     for (int i = 0; i < 2; i++)
         free(gp->list[i]);
     GP_FREE(*context);

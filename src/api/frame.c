@@ -148,12 +148,6 @@ const struct glarepp_facts *glarepp_frame_facts(const struct glarepp_frame *f)
 
 // -- what steps look at -----------------------------------------------------
 
-const struct gp_kernel *gp_api_kernel(const struct glarepp_frame *f)
-{
-    static const struct gp_kernel none;
-    return f->kernel ? &f->kernel->k : &none;
-}
-
 double gp_api_camera_fov(const struct glarepp_frame *f)
 {
     const struct glarepp_plan *const plan = f->plan;
@@ -167,17 +161,6 @@ double gp_api_camera_fov(const struct glarepp_frame *f)
                    !gp_camera_make(NULL, NULL, NULL, about->to_ndc,
                                    plan->sun.ndc ? plan->sun.ndc : about->ndc, &c)
                ? gp_camera_fov(&c) : 0.0;
-}
-
-gp_status gp_api_dark_layer(struct glarepp_frame *f)
-{
-    struct gp_planes *const p = &f->image.layer;
-    const size_t n = gp_image_pixels(&f->image);
-    const gp_status st = p->c[0] ? GP_OK
-                                 : gp_planes_make(&f->log, "layer", n, p);
-    if (!st)
-        gp_planes_clear(p, 0, n);
-    return st;
 }
 
 // -- views --------------------------------------------------------------------
@@ -310,8 +293,8 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
     if (group && !grouped)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "group", "%s: no such group "
                           "(found %d)", f->sink.name, group));
-    if (view == GLAREPP_GLARE && !group && !image->layer.c[0])
-        GP_TRY(gp_api_dark_layer(f));
+    if (view == GLAREPP_GLARE && !group)
+        GP_TRY(gp_api_dark_layer(&f->log, &f->image));
     if (view == GLAREPP_OUTPUT && f->plan->converts)
         GP_TRY(convert(f, group));
     if (view == GLAREPP_OUTPUT)

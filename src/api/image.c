@@ -225,6 +225,17 @@ struct glarepp_image gp_api_view(const struct gp_planes *planes,
     return v;
 }
 
+gp_status gp_api_dark_layer(const struct gp_log *log, struct gp_image *image)
+{
+    const size_t n = gp_image_pixels(image);
+    if (image->layer.c[0])
+        return GP_OK;
+    const gp_status st = gp_planes_make(log, "layer", n, &image->layer);
+    if (!st)
+        gp_planes_clear(&image->layer, 0, n);
+    return st;
+}
+
 void glarepp_image_end(struct glarepp_image *image)
 {
     struct gp_planes p = {{image->plane[0], image->plane[1], image->plane[2]}};

@@ -205,7 +205,8 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
         (2LL * field->w - 1) * (2LL * field->h - 1) <= field->most;
     struct gp_image like = gp_image_blank((struct gp_rect) {0, 0, 1, 1});
     if (field->primaries)
-        memcpy(like.chromaticities, field->primaries, sizeof like.chromaticities);
+        memcpy(like.chromaticities, field->primaries,
+               sizeof like.chromaticities);
     gp_luminance_weights(like.chromaticities, like.luminance);
     struct gp_field own = gp_field_of(&like, 0.0);
     own.w = whole ? field->w : cut_w;

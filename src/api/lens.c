@@ -151,7 +151,7 @@ gp_status gp_api_lens(struct glarepp_frame *f)
     enum { FEW = 8 }; // hidden lights count: nothing changes as they appear
     const int n = f->work->lights ? f->work->lights->suns.n : 0;
     const int asked = f->plan->lens_params.detail;
-    const gp_status st = f->image.layer.c[0] ? GP_OK : gp_api_dark_layer(f);
+    const gp_status st = gp_api_dark_layer(&f->log, &f->image);
     return st ? st
               : draw(f, asked ? (enum gp_lens_detail) (asked - 1)
                         : n > 0 && n <= FEW ? GP_LENS_FINE : GP_LENS_COARSE);

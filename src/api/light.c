@@ -163,7 +163,7 @@ gp_status gp_api_flare(struct glarepp_frame *f)
     gp_status st = GP_OK;
     suns->flare.frame = f->p.numbered ? f->p.number : 0;
     if (gp_suns_have_light(suns, true) && !f->image.layer.c[0])
-        st = gp_api_dark_layer(f);
+        st = gp_api_dark_layer(&f->log, &f->image);
     if (!st)
         st = gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image);
     const double cpu = gp_cpu_ms();
@@ -271,11 +271,7 @@ gp_status gp_api_ghosts_add(struct glarepp_frame *f,
         GP_TRY(gp_alloc_zero(&f->log, "engines", (size_t) ghosts->set.n,
                              sizeof *ghosts->engine, &ghosts->engine));
     ghosts->engines = ghosts->set.n;
-    if (!image->layer.c[0]) {
-        GP_TRY(gp_planes_make(&f->log, "layer", gp_image_pixels(image),
-                              &image->layer));
-        gp_planes_clear(&image->layer, 0, gp_image_pixels(image));
-    }
+    GP_TRY(gp_api_dark_layer(&f->log, image));
     for (int i = 0; i < ghosts->set.n; i++) {
         const struct gp_ghost *const run = &ghosts->set.run[i];
         struct gp_glare_stats stats = {0};

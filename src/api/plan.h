@@ -94,13 +94,11 @@ struct glarepp_plan {
     struct gp_rect reach;          // of a kernel for one pixel
     struct gp_lens lens;           // not focused
     struct gp_ocio *ocio;          // NULL: tone maps
-    pthread_mutex_t lock;          // of the next two
+    pthread_mutex_t lock;          // of the next one, and of notes of `ocio`
     struct gp_api_work *work;      // not lent
-    bool ocio_noted;
     atomic_uint said;              // GP_SAID_*
     struct glarepp_plan_facts facts;
     const char **file;             // of facts; owned
-    bool more_frames;              // execute() may come again
 };
 
 /* Lends work to a frame; end with gp_api_give_back(). Errors: those of reading
@@ -169,10 +167,12 @@ struct glarepp_frame {
 };
 
 /* The kernel of a frame; empty where none was needed. */
-const struct gp_kernel *gp_api_kernel(const struct glarepp_frame *f);
-
-/* Makes image.layer, all 0, unless it is there. */
-GP_MUST_CHECK gp_status gp_api_dark_layer(struct glarepp_frame *f);
+static inline const struct gp_kernel *
+gp_api_kernel(const struct glarepp_frame *f)
+{
+    static const struct gp_kernel none;
+    return f->kernel ? &f->kernel->k : &none;
+}
 
 /* The vertical angle of view by the plan or the frame's or scene's camera; 0:
  * by none. */

@@ -408,8 +408,8 @@ static void note_layer(struct glarepp_frame *f, const struct gp_glare_stats *s)
     *facts = (struct glarepp_layer_facts) {
         .engine = s->engine, .bound = s->bound, .bound_pixel = s->bound_pixel,
         .fft_w = s->fft_w, .fft_h = s->fft_h, .in_double = s->fft_double,
-        .far_step = s->tail_step, .near = {s->fft_core[0], s->fft_core[1]},
-        .hot = (long long) s->hot, .groups = (long long) s->groups,
+        .near = {s->fft_core[0], s->fft_core[1]},
+        .groups = (long long) s->groups,
         .clusters = (long long) s->clusters,
         .polygons = (long long) s->polygons, .cores = (long long) s->cores,
         .polygon_pixels = s->polygon_pixels, .form = s->form, .gl = s->gl,

@@ -121,13 +121,11 @@ void gp_environment_read(struct glarepp_params *p)
 {
     const char *const size = variable("GLAREPP_GL_MAX_SIZE");
     const long side = size ? strtol(size, NULL, 10) : 0;
-    const char *const cpu = variable("GLAREPP_CPU");
     p->bridges = variable("GLAREPP_BRIDGES");
     p->data = variable("GLAREPP_EXAMPLES");
     p->osmesa = variable("GLAREPP_OSMESA");
     p->egl = variable("GLAREPP_EGL");
     p->gl_size = side > 0 && side < INT_MAX ? (int) side : 0;
-    p->base_cpu = cpu && strcmp(cpu, "base") == 0;
 }
 
 void gp_environment_set_heap(void)

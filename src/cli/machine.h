@@ -25,7 +25,6 @@ size_t gp_peak_memory(void);
  *   GLAREPP_EXAMPLES  ... for flares/ and lenses/
  *   GLAREPP_OSMESA, GLAREPP_EGL  file in place of libOSMesa, libEGL
  *   GLAREPP_GL_MAX_SIZE  largest side of a GL texture, for tests of tiling
- *   GLAREPP_CPU=base  no code for later CPUs, for tests of both paths
  * Strings are the environment's. */
 void gp_environment_read(struct glarepp_params *p);
 

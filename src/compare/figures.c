@@ -1,6 +1,5 @@
 #include "compare/compare.h"
 
-#include "compare/flip.h"
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"

@@ -1,10 +1,11 @@
 /* FLIP. LDR: tile after tile, each picture is filtered in a tile with its
  * surroundings, its colours and features are kept, and compared with those of
  * the other. HDR: the largest LDR-FLIP of many exposures. */
-#include "compare/flip.h"
+#include "compare/compare.h"
 
 #include "core/colour.h"
 #include "core/cpu.h"
+#include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -16,7 +17,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Pixels a degree: flip.h. */
+/* Pixels a degree: compare.h. */
 static const double PPD = (double) 67.0206f;
 
 /* The filters of FLIP: the eye's resolution, and its detectors of edges and
@@ -352,80 +353,54 @@ static float bounded(float v)
 
 // -- exposures ---------------------------------------------------------------
 
-/* The k-th smallest of v[0, n), which is reordered (Hoare 1961). */
-static float kth(float *v, size_t n, size_t k)
+/* Finds the median of the n largest of `pixels` luminances; of an even number
+ * the mean of the two in the middle. */
+static gp_status median(const struct gp_log *log, const struct gp_image *f,
+                        size_t pixels, size_t n, double *out)
 {
-    size_t low = 0, high = n - 1;
-    while (low < high) {
-        const float pivot = v[low + (high - low) / 2];
-        size_t i = low, j = high;
-        for (;;) {
-            while (v[i] < pivot)
-                i++;
-            while (v[j] > pivot)
-                j--;
-            if (i >= j)
-                break;
-            const float swap = v[i];
-            v[i++] = v[j];
-            v[j--] = swap;
-        }
-        // [low, j] <= pivot <= [j + 1, high]
-        if (k <= j)
-            high = j;
-        else
-            low = j + 1;
-    }
-    return v[k];
-}
-
-/* Of an even number, the mean of the two in the middle. */
-static double median(float *v, size_t n)
-{
-    const double upper = (double) kth(v, n, n / 2);
-    return n % 2 ? upper : 0.5 * (upper + (double) kth(v, n, n / 2 - 1));
+    float upper, lower;
+    gp_status st;
+    GP_TRY(gp_luminance_rank(log, f, pixels - n + n / 2 + 1, &upper));
+    GP_TRY(gp_luminance_rank(log, f, pixels - n + (n + 1) / 2, &lower));
+    *out = 0.5 * ((double) lower + (double) upper);
+out:
+    return st;
 }
 
 gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
     const struct gp_planes *reference, struct gp_flip_exposures *out)
 {
-    const float *const k = gp_rec709_luminance;
-    float *y, most = 0.0f;
-    gp_status st = gp_alloc(log, "flip", pixels, sizeof *y, &y);
-    if (st)
-        return st;
-    for (size_t i = 0; i < pixels; i++) {
-        y[i] = k[0] * bounded(reference->c[0][i]) +
-               k[1] * bounded(reference->c[1][i]) +
-               k[2] * bounded(reference->c[2][i]);
-        most = gp_maxf(y[i], most);
-    }
+    struct gp_image f = gp_image_blank((struct gp_rect) {0, 0, (int) pixels, 1});
+    int at[2];
+    double middle;
+    gp_status st;
+    f.rgb = *reference;
+    const float most = gp_minf(gp_luminance_peak(&f, at), LIGHT_MAX);
     *out = (struct gp_flip_exposures) {.count = 1};
-    if (most > 0.0f) {
-        // the x for which the curve gives TARGET: its quadratic's positive root
-        const double a = (double) ACES_A - TARGET * (double) ACES_C;
-        const double b = (double) ACES_B - TARGET * (double) ACES_D;
-        const double c = -TARGET * (double) ACES_E;
-        const double target = (-b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
-        const double start = log2(target / (double) most);
-        double middle = median(y, pixels);
-        if (middle == 0.0) {
-            size_t lit = 0;
-            for (size_t i = 0; i < pixels; i++) {
-                if (y[i] > 0.0f)
-                    y[lit++] = y[i];
-            }
-            middle = median(y, lit);
-        }
-        const double stop = log2(target / middle);
-        const double steps = ceil(stop - start);
-        *out = (struct gp_flip_exposures) {
-            (float) start, (float) stop,
-            (int) fmin(fmax(steps, 2.0), GP_FLIP_EXPOSURES_MAX),
-        };
+    if (!(most > 0.0f))
+        return GP_OK;
+    GP_TRY(median(log, &f, pixels, pixels, &middle));
+    if (middle == 0.0) {
+        const float *const k = f.luminance;
+        size_t lit = 0;
+        for (size_t i = 0; i < pixels; i++)
+            lit += gp_lit_luminance(k, f.rgb.c[0][i], f.rgb.c[1][i],
+                                    f.rgb.c[2][i]) > 0.0f;
+        GP_TRY(median(log, &f, pixels, lit, &middle));
     }
-    gp_free(y);
-    return GP_OK;
+    // the x for which the curve gives TARGET: its quadratic's positive root
+    const double a = (double) ACES_A - TARGET * (double) ACES_C;
+    const double b = (double) ACES_B - TARGET * (double) ACES_D;
+    const double c = -TARGET * (double) ACES_E;
+    const double target = (-b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
+    const double start = log2(target / (double) most);
+    const double stop = log2(target / fmin(middle, (double) LIGHT_MAX));
+    *out = (struct gp_flip_exposures) {
+        (float) start, (float) stop,
+        (int) fmin(fmax(ceil(stop - start), 2.0), GP_FLIP_EXPOSURES_MAX),
+    };
+out:
+    return st;
 }
 
 // -- the metric --------------------------------------------------------------

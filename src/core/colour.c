@@ -159,7 +159,7 @@ static double lobe(double nm, double height, double peak, double before,
 /* CIE 1931 2 degree observer: the multi-lobe fit of Wyman, Sloan and Shirley,
  * Simple Analytic Approximations to the CIE XYZ Color Matching Functions, JCGT
  * 2 (2013), eq. 4; within 1 % of the table's peaks. */
-void gp_spectrum_xyz(double nm, double xyz[3])
+static void spectrum_xyz(double nm, double xyz[3])
 {
     xyz[0] = lobe(nm, 1.056, 599.8, 37.9, 31.0) +
              lobe(nm, 0.362, 442.0, 16.0, 26.7) +
@@ -206,7 +206,7 @@ void gp_spectrum_colours(const float chromaticities[8], int n, double *nm,
     gp_invert3(to_xyz, from_xyz);
     for (int i = 0; i < n; i++) {
         nm[i] = GP_NM_FROM + (GP_NM_TO - GP_NM_FROM) * (i + 0.5) / n;
-        gp_spectrum_xyz(nm[i], rgb[i]);
+        spectrum_xyz(nm[i], rgb[i]);
         for (int c = 0; c < 3; c++)
             white[c] += rgb[i][c];
     }

@@ -50,9 +50,6 @@ void gp_invert3(const double m[9], double out[9]);
 float gp_srgb_encode(float linear);
 float gp_srgb_decode(float encoded);
 
-/* XYZ of light of one wavelength, nm. */
-void gp_spectrum_xyz(double nm, double xyz[3]);
-
 enum { GP_NM_FROM = 380, GP_NM_TO = 780, GP_BANDS = 256 };
 
 /* Linear RGB in these primaries (those of BT.709 where they are degenerate) of

@@ -3,23 +3,12 @@
  * GP_CLONES before a function makes the compiler build it twice, for the
  * baseline and for AVX2, and choose at load time. ISO C keeps a * b + c unfused
  * in both, so both give the same bits. (Not "arch=haswell", which is chosen on
- * that model only, not on later ones.)
- *
- * GP_X86_AVX2 marks files and functions with hand-written AVX2; they are
- * called only when gp_cpu_has_avx2(). */
+ * that model only, not on later ones.) */
 #ifndef GP_CORE_CPU_H
 #define GP_CORE_CPU_H
 
-#include <stdbool.h>
-
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define GP_SANITIZED 1 // ifuncs are resolved before their run time starts
-#endif
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define GP_X86_AVX2 __attribute__((target("avx2,fma,f16c")))
-#else
-#define GP_X86_AVX2
 #endif
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&        \
@@ -28,9 +17,5 @@
 #else
 #define GP_CLONES
 #endif
-
-/* True when the CPU and the system have AVX2, FMA and F16C. False with
- * gp_env()->base_cpu, so that tests can run both paths. */
-bool gp_cpu_has_avx2(void);
 
 #endif

@@ -10,11 +10,11 @@ struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
     const float least = FLT_TRUE_MIN, half = GP_DEPTH_HALF;
     const float deepest = nextafterf(GP_DEPTH_HUGE, 0.0f);
     const struct gp_depth_range inverse = {
-        nextafterf(1.0f / GP_DEPTH_HUGE, 1.0f), INFINITY, NAN, true};
+        nextafterf(1.0f / GP_DEPTH_HUGE, 1.0f), INFINITY, NAN};
     // normalized, near is 1, and near is 0
-    const struct gp_depth_range turned = {least, INFINITY, NAN, true};
-    const struct gp_depth_range share = {-INFINITY, nextafterf(1.0f, 0.0f), NAN,
-                                      false};
+    const struct gp_depth_range turned = {least, INFINITY, NAN};
+    const struct gp_depth_range share = {-INFINITY, nextafterf(1.0f, 0.0f),
+                                         NAN};
     switch (type) {
     case GP_DEPTH_INVERSE:
         return inverse;
@@ -24,8 +24,8 @@ struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
     case GP_DEPTH_RAY:
         break;
     }
-    return reversed ? (struct gp_depth_range) {-deepest, -least, -half, true}
-                    : (struct gp_depth_range) {least, deepest, half, false};
+    return reversed ? (struct gp_depth_range) {-deepest, -least, -half}
+                    : (struct gp_depth_range) {least, deepest, half};
 }
 
 double gp_surface_place(enum gp_depth_type type, bool reversed, float v)

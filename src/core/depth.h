@@ -30,8 +30,7 @@ enum gp_depth_type {
 /* Samples that are surfaces: [lo, hi] but `hole`. */
 struct gp_depth_range {
     float lo, hi;
-    float hole;     // NAN: none
-    bool near_high; // the nearest is hi
+    float hole; // NAN: none
 };
 struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed);
 

@@ -4,8 +4,6 @@
 #ifndef GP_CORE_ENV_H
 #define GP_CORE_ENV_H
 
-#include <stdbool.h>
-
 struct gp_pool; // core/parallel.h
 
 /* All borrowed; zero is what a thread starts with. */
@@ -15,7 +13,6 @@ struct gp_env {
     const char *data;            // for flares/ and lenses/; NULL: none
     const char *osmesa, *egl;    // GL library files; NULL: the system's
     int gl_size;                 // largest side of a GL texture; 0: the driver's
-    bool base_cpu;               // no code for later CPUs is taken
 };
 
 /* Returns that of this thread. */

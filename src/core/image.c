@@ -2,7 +2,6 @@
 
 #include "core/colour.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 
 #include <string.h>
 
@@ -26,27 +25,10 @@ void gp_planes_free(struct gp_planes *p)
     *p = (struct gp_planes) {0};
 }
 
-struct clearing {
-    const struct gp_planes *p;
-    size_t from, n;
-};
-
-static void clear_plane(void *ctx, int c, int thread)
-{
-    const struct clearing *const k = ctx;
-    (void) thread;
-    memset(k->p->c[c] + k->from, 0, k->n * sizeof(float));
-}
-
 void gp_planes_clear(const struct gp_planes *p, size_t from, size_t n)
 {
-    enum { ALONE = 1 << 16 }; // samples that are not worth other threads
-    struct clearing k = {p, from, n};
-    if (n > ALONE)
-        gp_parallel_do(3, clear_plane, &k);
-    else
-        for (int c = 0; c < 3; c++)
-            clear_plane(&k, c, 0);
+    for (int c = 0; c < 3; c++)
+        memset(p->c[c] + from, 0, n * sizeof(float));
 }
 
 struct gp_image gp_image_blank(struct gp_rect window)

@@ -209,12 +209,34 @@ gp_status gp_json_parse(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
+/* Reads to the end of a file or pipe, at most `most` >= 1 bytes, into *block,
+ * which is the caller's also after a failure. */
+static gp_status read_bytes(const struct gp_log *log, const char *path, int fd,
+                            size_t most, void **block, size_t *bytes)
+{
+    gp_status st = GP_OK;
+    size_t room = 0;
+    for (ssize_t n = 1; n != 0 && *bytes < most && !st;) {
+        if (*bytes == room) {
+            room = room ? 2 * room : 16 << 10; // most files
+            room = room < most ? room : most;
+            st = gp_resize(log, path, room, block);
+        }
+        n = st ? 0 : read(fd, (char *) *block + *bytes, room - *bytes);
+        if (n < 0 && errno != EINTR)
+            st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the file",
+                         path, strerror(errno));
+        *bytes += n > 0 ? (size_t) n : 0;
+    }
+    return st;
+}
+
 gp_status gp_load_file(const struct gp_log *log, const char *path, size_t most,
                        void **out, size_t *size)
 {
     gp_status st;
     void *block = NULL;
-    size_t bytes = 0, room = 0;
+    size_t bytes = 0;
     struct stat about;
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0)
@@ -223,26 +245,13 @@ gp_status gp_load_file(const struct gp_log *log, const char *path, size_t most,
     if (fstat(fd, &about) == 0 && S_ISDIR(about.st_mode))
         GP_TRY(gp_fail(log, GP_ERR_IO,
                        "%s: cannot read (it is a folder); name a file", path));
-    // to the end of a file or pipe, or one byte over `most`: it is too large
-    for (ssize_t n = 1; n != 0 && bytes <= most;) {
-        if (bytes == room) {
-            room = room ? 2 * room : 16 << 10; // most files
-            room = room < most + 1 ? room : most + 1;
-            GP_TRY(gp_resize(log, path, room, &block));
-        }
-        n = read(fd, (char *) block + bytes, room - bytes);
-        if (n < 0 && errno != EINTR)
-            GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the "
-                           "file", path, strerror(errno)));
-        bytes += n > 0 ? (size_t) n : 0;
-    }
+    GP_TRY(read_bytes(log, path, fd, most + 1, &block, &bytes));
     if (bytes > most)
         GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too large (over %zu KiB); split "
                        "it", path, most >> 10));
     *out = block;
     *size = bytes;
     block = NULL; // the caller's
-    st = GP_OK;
 out:
     gp_free(block);
     close(fd);
@@ -278,26 +287,20 @@ gp_status gp_open_regular(const struct gp_log *log, const char *path, int *fd,
 gp_status gp_load_regular(const struct gp_log *log, const char *path,
                           size_t most, void **out, uint64_t *size)
 {
-    char *block = NULL;
-    uint64_t bytes;
-    int fd;
-    gp_status st = gp_open_regular(log, path, &fd, &bytes);
+    void *block = NULL;
+    size_t bytes = 0;
+    uint64_t all = 0;
+    int fd = -1;
+    gp_status st = gp_open_regular(log, path, &fd, &all);
     if (st)
         return st;
-    const size_t wanted = bytes < most ? (size_t) bytes : most;
-    GP_TRY(gp_alloc(log, path, wanted, 1, &block));
-    for (size_t done = 0; done < wanted;) {
-        const ssize_t n = read(fd, block + done, wanted - done);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the "
-                           "file", path, n < 0 ? strerror(errno)
-                                               : "it shrank meanwhile"));
-        done += (size_t) n;
-    }
+    const size_t wanted = all < most ? (size_t) all : most;
+    GP_TRY(read_bytes(log, path, fd, wanted + !wanted, &block, &bytes));
+    if (bytes < wanted)
+        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (it shrank meanwhile); "
+                       "check the file", path));
     *out = block;
-    *size = bytes;
+    *size = all;
     block = NULL; // the caller's
 out:
     gp_free(block);
@@ -308,8 +311,8 @@ out:
 gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
                        json_t **out)
 {
-    void *text;
-    size_t bytes;
+    void *text = NULL;
+    size_t bytes = 0;
     gp_status st = gp_load_file(log, path, most, &text, &bytes);
     if (st)
         return st;

@@ -221,59 +221,45 @@ static uint32_t find_bin(struct ranking *r, uint64_t *rank)
     return HALF_BINS - 1;
 }
 
-gp_status gp_luminance_percentile(const struct gp_log *log,
-    const struct gp_image *f, double percent, float *out)
+gp_status gp_luminance_rank(const struct gp_log *log, const struct gp_image *f,
+                            uint64_t k, float *out)
 {
-    const struct gp_rect read = gp_image_read(f);
-    const size_t pixels = (size_t) gp_rect_w(read) * (size_t) gp_rect_h(read);
     struct ranking r = {.f = f, .upper = HALF_BINS};
     gp_status st = gp_alloc(log, "percentile", (size_t) gp_threads(),
                             sizeof *r.count, &r.count);
     if (st)
         return st;
-    // 99.9 in binary is a little more, and would skip a pixel of 1000
-    const double k = percent / 100.0 * (double) pixels;
-    uint64_t rank = (uint64_t) ceil(k - 1e-9 * k);
-    rank = rank < 1 ? 1 : rank > pixels ? pixels : rank;
-    r.upper = find_bin(&r, &rank);
-    const uint32_t bits = r.upper << HALF_BITS | find_bin(&r, &rank);
-    *out = gp_float_with_bits(bits);
+    r.upper = find_bin(&r, &k);
+    *out = gp_float_with_bits(r.upper << HALF_BITS | find_bin(&r, &k));
     gp_free(r.count);
     return GP_OK;
 }
 
-// -- the largest -------------------------------------------------------------
-
-struct peaks {
-    const struct gp_image *f;
-    size_t at[GP_FRAME_BANDS]; // first of the largest of each band
-};
-
-static void find_peak(void *ctx, int band, int thread)
+gp_status gp_luminance_percentile(const struct gp_log *log,
+    const struct gp_image *f, double percent, float *out)
 {
-    struct peaks *const p = ctx;
-    const size_t pixels = gp_image_pixels(p->f);
-    const size_t start = gp_band_start(pixels, band);
-    const size_t end = gp_band_start(pixels, band + 1);
-    float largest = -1.0f;
-    (void) thread;
-    for (size_t i = start; i < end; i++) {
-        const float y = luminance_at(p->f, i);
-        p->at[band] = y > largest ? i : p->at[band];
-        largest = y > largest ? y : largest;
-    }
+    const struct gp_rect read = gp_image_read(f);
+    const size_t pixels = (size_t) gp_rect_w(read) * (size_t) gp_rect_h(read);
+    // 99.9 in binary is a little more, and would skip a pixel of 1000
+    const double k = percent / 100.0 * (double) pixels;
+    const uint64_t rank = (uint64_t) ceil(k - 1e-9 * k);
+    return gp_luminance_rank(
+        log, f, rank < 1 ? 1 : rank > pixels ? pixels : rank, out);
 }
+
+// -- the largest -------------------------------------------------------------
 
 float gp_luminance_peak(const struct gp_image *f, int at[2])
 {
-    struct peaks p = {.f = f};
+    const size_t w = (size_t) gp_image_w(f), pixels = gp_image_pixels(f);
+    float largest = -1.0f;
     size_t first = 0;
-    gp_parallel_do(GP_FRAME_BANDS, find_peak, &p);
-    for (int i = 0; i < GP_FRAME_BANDS; i++) {
-        if (luminance_at(f, p.at[i]) > luminance_at(f, first))
-            first = p.at[i];
+    for (size_t i = 0; i < pixels; i++) {
+        const float y = luminance_at(f, i);
+        first = y > largest ? i : first;
+        largest = y > largest ? y : largest;
     }
-    at[0] = f->data.x0 + (int) (first % (size_t) gp_image_w(f));
-    at[1] = f->data.y0 + (int) (first / (size_t) gp_image_w(f));
-    return luminance_at(f, first);
+    at[0] = f->data.x0 + (int) (first % w);
+    at[1] = f->data.y0 + (int) (first / w);
+    return largest;
 }

@@ -46,14 +46,15 @@ double gp_mean_luminance(const struct gp_image *f, const struct gp_planes *p);
  * delta 1e-6. 0 when no pixel counts. `p` has the planes of f's size. */
 double gp_log_average(const struct gp_image *f, const struct gp_planes *p);
 
-/* Finds the luminance that `percent` of the pixels are not over, the nearest
- * rank: the k-th smallest of N, k = ceil(percent / 100 * N), at least the
- * first. Of the non-negative part of f->rgb, which is finite, in the window
- * that was read.
- *
- *   percent  0 to 100
- *   out      finite, >= 0; written only on GP_OK
+/* Finds the k-th smallest luminance, k from 1, of the non-negative part of
+ * f->rgb, in the window that was read; NaN counts as 0.
+ *   out  finite, >= 0; written only on GP_OK
  * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_luminance_rank(const struct gp_log *log,
+    const struct gp_image *f, uint64_t k, float *out);
+
+/* Finds that which `percent` (0 to 100) of the N pixels are not over, the nearest
+ * rank: k = ceil(percent / 100 * N), at least 1. */
 GP_MUST_CHECK gp_status gp_luminance_percentile(const struct gp_log *log,
     const struct gp_image *f, double percent, float *out);
 

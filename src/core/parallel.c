@@ -1,6 +1,5 @@
 #include "core/parallel.h"
 
-#include "core/cpu.h"
 #include "core/env.h"
 #include "core/memory.h"
 
@@ -324,31 +323,4 @@ void gp_parallel_do(int n, gp_task task, void *ctx)
     struct plain p = {task, ctx};
     const gp_status never = gp_parallel(n, run_task, &p, NULL);
     (void) never;
-}
-
-// -- the CPU's features -------------------------------------------------------
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#include <cpuid.h>
-#endif
-
-bool gp_cpu_has_avx2(void)
-{
-#if defined(__x86_64__) && defined(__GNUC__)
-    // by cpuid: clang 14's __builtin_cpu_supports() has no "f16c". And once: in
-    // a virtual machine each cpuid traps, which takes microseconds
-    enum { UNKNOWN, MISSING, THERE };
-    static atomic_int f16c;
-    if (gp_env()->base_cpu)
-        return false;
-    if (atomic_load(&f16c) == UNKNOWN) {
-        unsigned a, b, c, d;
-        const bool there = __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
-        atomic_store(&f16c, there ? THERE : MISSING);
-    }
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-           atomic_load(&f16c) == THERE;
-#else
-    return false;
-#endif
 }

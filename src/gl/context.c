@@ -387,19 +387,17 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     return GP_OK;
 }
 
-/* Finds whether fragments can be counted, as not every driver of 4.5 can. */
+/* Prepares to count fragments, which not every driver of 4.5 can. */
 static void find_counts(struct gp_gl *gl)
 {
     GLint n = 0;
     gl->f.GetIntegerv(GL_NUM_EXTENSIONS, &n);
-    for (GLint i = 0; i < n && !gl->info.counts; i++) {
+    for (GLint i = 0; i < n && !gl->query; i++) {
         const char *const name =
             (const char *) gl->f.GetStringi(GL_EXTENSIONS, (GLuint) i);
-        gl->info.counts =
-            name && strcmp(name, "GL_ARB_pipeline_statistics_query") == 0;
+        if (name && strcmp(name, "GL_ARB_pipeline_statistics_query") == 0)
+            gl->f.GenQueries(1, &gl->query);
     }
-    if (gl->info.counts)
-        gl->f.GenQueries(1, &gl->query);
 }
 
 static gp_status open_system(const struct gp_log *log,

@@ -57,8 +57,6 @@ struct gp_gl_info {
     int max_block;        // of a uniform block, in bytes, >= 16384;
                           // GL_MAX_UNIFORM_BLOCK_SIZE
     int max_texel_buffer; // in texels, >= 65536; GL_MAX_TEXTURE_BUFFER_SIZE
-    bool counts;          // gp_count_end() works: GL 4.6, or
-                          // GL_ARB_pipeline_statistics_query
 };
 const struct gp_gl_info *gp_gl_info(const struct gp_gl *gl);
 
@@ -245,7 +243,8 @@ GP_MUST_CHECK gp_status gp_draw_run(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_draw *draw);
 
 /* Counts the fragments that shaders work on between the two calls; waits for
- * the drawing. One count at a time; -1 where info has no counts. */
+ * the drawing. One count at a time; -1 without GL 4.6 and without
+ * GL_ARB_pipeline_statistics_query. */
 void gp_count_begin(const struct gp_gl *gl);
 long long gp_count_end(const struct gp_gl *gl);
 

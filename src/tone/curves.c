@@ -33,6 +33,9 @@ static inline float luminance(float r, float g, float b)
 
 // -- Reinhard ----------------------------------------------------------------
 
+/* Reinhard et al., Photographic Tone Reproduction for Digital Images, SIGGRAPH
+ * 2002. */
+
 /* A saturated colour of displayable luminance y may need more of a primary
  * than the display has. It then moves towards the grey of its own luminance
  * until it fits, which keeps luminance and hue, and gives up saturation:
@@ -94,7 +97,9 @@ GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
 
 // -- ACES --------------------------------------------------------------------
 
-/* BT.709 to the rendering transform's primaries, with its saturation. */
+/* Stephen Hill, ACESFitted, in MJP and Neubelt, Baking Lab, ACES.hlsl, 2016.
+ *
+ * BT.709 to the rendering transform's primaries, with its saturation. */
 static const float aces_in[9] = {
     0.59719f, 0.35458f, 0.04823f,
     0.07600f, 0.90834f, 0.01566f,
@@ -136,7 +141,8 @@ GP_CLONES static void aces(float *restrict r, float *restrict g,
     }
 }
 
-/* ((x (A x + C B) + D E) / (x (A x + B) + D F)) - E / F with a shoulder A,
+/* John Hable, Filmic Tonemapping Operators, filmicworlds.com, 2010:
+ * ((x (A x + C B) + D E) / (x (A x + B) + D F)) - E / F with a shoulder A,
  * linear strength B, linear angle C, toe D, toe angle E / F; over one fraction
  * bar, where the constants cancel and black is exactly black. */
 static inline float hable_curve(float x)
@@ -276,7 +282,8 @@ GP_CLONES static void agx(float *restrict r, float *restrict g,
     }
 }
 
-/* Names as in the specification: F_90 = 0.04, K_s = 0.8 - F_90, K_d = 0.15.
+/* Names as in the Khronos PBR Neutral Tone Mapper specification, 2024: F_90 =
+ * 0.04, K_s = 0.8 - F_90, K_d = 0.15.
  * The part under K_s, c - f, is x - f added to c - x: nothing cancels. */
 GP_CLONES static void neutral(float *restrict r, float *restrict g,
                               float *restrict b, size_t n, float white)
@@ -313,38 +320,26 @@ GP_CLONES static void linear(float *r, float *g, float *b, size_t n,
     }
 }
 
-#define CURVE(...) &(const struct gp_tone_curve) {.monotone = true, __VA_ARGS__}
-#define REINHARD                                                              \
-    "Reinhard et al., Photographic Tone Reproduction for Digital Images, "    \
-    "SIGGRAPH 2002, eq. "
+#define CURVE(...) &(const struct gp_tone_curve) {__VA_ARGS__}
 
 const struct gp_tone_curve *const gp_tone_curves[] = {
     CURVE(.name = "reinhard", .map = reinhard,
-          .text = "L / (1 + L) on luminance; keeps hue",
-          .source = REINHARD "3"),
+          .text = "L / (1 + L) on luminance; keeps hue"),
     CURVE(.name = "reinhard-extended", .map = reinhard_extended,
           .text = "reinhard with a luminance that becomes white",
-          .source = REINHARD "4", .reads_white = true),
+          .reads_white = true),
     CURVE(.name = "aces", .map = aces,
           .text = "Stephen Hill's fit of the ACES rendering and output "
-                  "transforms",
-          .source = "Stephen Hill, ACESFitted, in MJP and Neubelt, Baking "
-                    "Lab, ACES.hlsl, 2016"),
+                  "transforms"),
     CURVE(.name = "hable", .map = hable,
-          .text = "John Hable's filmic curve, white 11.2, exposure bias 2",
-          .source = "John Hable, Filmic Tonemapping Operators, "
-                    "filmicworlds.com, 2010"),
+          .text = "John Hable's filmic curve, white 11.2, exposure bias 2"),
     CURVE(.name = "agx", .map = agx,
-          .text = "Troy Sobotka's AgX, default look",
-          .source = "Benjamin Wrensch, Minimal AgX Implementation, "
-                    "iolite-engine.com, 2023"),
+          .text = "Troy Sobotka's AgX, default look"),
     CURVE(.name = "neutral", .map = neutral,
-          .text = "Khronos PBR Neutral: true colours up to 0.8, then white",
-          .source = "Khronos PBR Neutral Tone Mapper specification, 2024"),
+          .text = "Khronos PBR Neutral: true colours up to 0.8, then white"),
     CURVE(.name = "linear", .map = linear,
-          .text = "exposure alone, cut at 0 and 1", .source = "none needed"),
-    CURVE(.name = "none", .text = "the lit frame as it is, without exposure",
-          .source = "none needed"),
+          .text = "exposure alone, cut at 0 and 1"),
+    CURVE(.name = "none", .text = "the lit frame as it is, without exposure"),
     NULL,
 };
 

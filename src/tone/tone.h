@@ -20,15 +20,12 @@
 struct gp_tone_curve {
     const char *name;
     const char *text;    // one line for --help and the man page
-    const char *source;  // paper or project, with equation
     /* n pixels in place, plane by plane: linear BT.709 in, after exposure,
      * any value; display-linear out. NULL: nothing is changed, the exposure
      * not even. A negative channel counts as 0, in aces and agx only after it
      * is mixed into their own, wider primaries. `white` as in the params,
      * resolved, > 0; only operators with reads_white read it. */
     void (*map)(float *r, float *g, float *b, size_t n, float white);
-    bool monotone;       // grey in ascending order comes out ascending, but
-                         // for the rounding of a float
     bool reads_white;
 };
 extern const struct gp_tone_curve *const gp_tone_curves[];  // NULL at the end

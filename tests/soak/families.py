@@ -8,7 +8,6 @@ against this one as it is: `glarepp compare`'s rel_l2 and largest error of the
 layer, and the largest difference of the picture in code values of 8 and of
 16 bits. The settings:
 
-  base        GLAREPP_CPU=base: reading, writing and bright pass without AVX2
   libm        GLIBC_TUNABLES: the C library's functions without AVX2 and FMA
   llvmpipe N  LP_NATIVE_VECTOR_WIDTH=N: vectors of the software GL
   NAME        qemu-x86_64 -cpu NAME, where there is one: the exact engine's
@@ -36,7 +35,6 @@ TUNABLES = "glibc.cpu.hwcaps=-AVX2,-AVX,-FMA,-FMA4,-AVX512F"
 
 
 def settings():
-    yield "base", {"GLAREPP_CPU": "base"}, []
     yield "libm", {"GLIBC_TUNABLES": TUNABLES}, []
     for width in "128", "256", "512":
         yield "llvmpipe " + width, {"LP_NATIVE_VECTOR_WIDTH": width}, []

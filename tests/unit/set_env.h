@@ -18,7 +18,7 @@ static inline int set_env(const char *name, const char *value)
     gp_environment_read(&p);
     env = (struct gp_env) {
         .bridges = p.bridges, .data = p.data, .osmesa = p.osmesa, .egl = p.egl,
-        .gl_size = p.gl_size, .base_cpu = p.base_cpu,
+        .gl_size = p.gl_size,
     };
     gp_env_use(&env);
     return failed;

@@ -1,7 +1,7 @@
 /* compare/flip.c: against a form of the papers in double with plain
  * two-dimensional filters (numpy and scipy), and by law. */
 #include "unit.h"
-#include "compare/flip.h"
+#include "compare/compare.h"
 #include "core/parallel.h"
 
 #include <float.h>
@@ -182,19 +182,6 @@ static void one_pixel_is_seen_near_it_alone(void **state)
     free_pair(&p);
 }
 
-static void threads_change_nothing(void **state)
-{
-    struct pair p = pattern(300, 200);
-    gp_set_threads(1);
-    const double one = ldr(&p), one_hdr = hdr(&p, NULL);
-    for (int threads = 2; threads <= 5; threads++) {
-        gp_set_threads(threads);
-        assert_true(ldr(&p) == one && hdr(&p, NULL) == one_hdr);
-    }
-    gp_set_threads(0);
-    free_pair(&p);
-}
-
 // -- HDR ---------------------------------------------------------------------
 
 static void square(struct pair *p, float scale)
@@ -328,9 +315,8 @@ static void what_makes_no_sense_is_refused(void **state)
 }
 
 SUITE_OF(flip, NULL, NULL, flat_colours_are_as_far_as_they_are,
-         patterns_agree_with_the_plain_form, laws_hold_at_any_size,
-         one_pixel_is_seen_near_it_alone, threads_change_nothing,
-         exposures_fit_the_reference, the_median_decides_where_exposures_stop,
-         dark_and_hostile_references_have_exposures,
-         the_largest_of_all_exposures_counts, what_makes_no_sense_is_refused)
-
+    patterns_agree_with_the_plain_form, laws_hold_at_any_size,
+    one_pixel_is_seen_near_it_alone, exposures_fit_the_reference,
+    the_median_decides_where_exposures_stop,
+    dark_and_hostile_references_have_exposures,
+    the_largest_of_all_exposures_counts, what_makes_no_sense_is_refused)

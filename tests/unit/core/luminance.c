@@ -1,5 +1,4 @@
-/* core/luminance.c: sums against long double and percentiles against sorting,
- * for any number of threads. */
+/* core/luminance.c: means, percentiles against sorting, and the peak. */
 #include "unit.h"
 #include "core/luminance.h"
 #include "core/parallel.h"
@@ -20,31 +19,6 @@ static struct gp_image make_frame(uint32_t seed, float scale)
         f.rgb.c[i / N][i % N] = scale * (u * u * u - 0.01f);
     }
     return f;
-}
-
-static void sums_are_the_same_for_any_threads(void **state)
-{
-    struct gp_image f = make_frame(11u, 1.0f);
-    long double want[4] = {0};
-    double first[4];
-    for (int i = 0; i < 3 * N; i++) {
-        const long double v = f.rgb.c[i / N][i % N];
-        want[i / N] += v;
-        want[3] += v * v;
-    }
-    for (int threads = 1; threads < 6; threads += 2) {
-        double sum[4];
-        gp_set_threads(threads);
-        gp_planes_sum(&f.rgb, N, sum, &sum[3]);
-        for (int k = 0; k < 4; k++)
-            assert_true(fabsl((long double) sum[k] - want[k]) <
-                        1e-14L * N);
-        if (threads > 1)
-            assert_memory_equal(sum, first, sizeof sum);
-        memcpy(first, sum, sizeof sum);
-    }
-    gp_set_threads(0);
-    gp_image_free(&f);
 }
 
 /* Over the display window, of which parts may be black, or cut off. */
@@ -124,5 +98,5 @@ static void peak_is_the_largest(void **state)
     gp_image_free(&f);
 }
 
-SUITE_OF(luminance, NULL, NULL, sums_are_the_same_for_any_threads,
-         mean_is_over_the_display_window, percentiles_are_exact_ranks, peak_is_the_largest)
+SUITE_OF(luminance, NULL, NULL, mean_is_over_the_display_window,
+    percentiles_are_exact_ranks, peak_is_the_largest)

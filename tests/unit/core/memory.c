@@ -75,18 +75,6 @@ static void need_kept_blocks(void)
 #endif
 }
 
-static void same_blocks_again(void **state)
-{
-    need_kept_blocks();
-    char *const first = alloc_block(33 * MIB + 100);
-    gp_free(first);
-    for (int frame = 0; frame < 20; frame++) {
-        char *const again = alloc_block(33 * MIB + (size_t) frame);
-        assert_ptr_equal(again, first);
-        gp_free(again);
-    }
-}
-
 /* Pages that the process has, in bytes. */
 static size_t resident(void)
 {
@@ -96,41 +84,6 @@ static size_t resident(void)
     assert_int_equal(fscanf(f, "%zu %zu", &pages, &held), 2);
     fclose(f);
     return held * (size_t) sysconf(_SC_PAGESIZE);
-}
-
-/* Sizes that change take the place of those before. */
-static void never_more_than_was_in_use(void **state)
-{
-    static const int mib[] = {300, 20, 64, 17, 200, 35, 16, 128};
-    need_kept_blocks();
-    void *const large = alloc_block((size_t) 400 * MIB);
-    const size_t most = resident();
-    gp_free(large);
-    for (int round = 0; round < 50; round++) {
-        void *a = alloc_block((size_t) mib[round % 8] * MIB);
-        void *b = alloc_block((size_t) mib[(round + 3) % 8] / 4 * MIB + MIB);
-        gp_free(a);
-        gp_free(b);
-        assert_true(resident() <= most / 8 * 9 + (size_t) 20 * MIB);
-    }
-}
-
-/* The threads that fill a block clear its pages, not the one that allocates it.
- * Before tests that map pages, since blocks that come back have some. */
-static void new_blocks_are_untouched(void **state)
-{
-    enum { BYTES = 64 * MIB };
-    need_kept_blocks();
-    const size_t page = (size_t) sysconf(_SC_PAGESIZE);
-    uint8_t *block;
-    unsigned char in[BYTES / 4096 + 2] = {0};
-    assert_int_equal(gp_alloc(NULL, "t", BYTES, 1, &block), GP_OK);
-    uint8_t *const first = block - (uintptr_t) block % page;
-    const size_t span = BYTES + (size_t) (block - first);
-    assert_int_equal(mincore(first, span, in), 0);
-    for (size_t i = 0; i < span / page; i++)
-        assert_int_equal(in[i] & 1, 0);
-    gp_free(block);
 }
 
 /* Blocks that a large one does not fit into go back to the system before the
@@ -245,7 +198,6 @@ static int keep_memory(void **state)
     return 0;
 }
 
-SUITE_OF(memory, keep_memory, NULL, new_blocks_are_untouched,
-         pages_return, sizes_are_checked, memory_is_full,
-         small_and_none, zero_of_a_used_block, resized, same_blocks_again,
-         never_more_than_was_in_use, threads_share)
+SUITE_OF(memory, keep_memory, NULL, pages_return, sizes_are_checked,
+    memory_is_full, small_and_none, zero_of_a_used_block, resized,
+    threads_share)

@@ -1,8 +1,7 @@
-/* core's small files: messages, JSON's text, the
- * program's other files, the CPU. */
+/* core's small files: messages, JSON's text, the program's other files,
+ * planes. */
 #include "unit.h"
 #include "core/bridge.h"
-#include "core/cpu.h"
 #include "core/image.h"
 #include "core/json.h"
 #include "core/memory.h"
@@ -117,23 +116,6 @@ static void json_is_whole_or_null(void **state)
     }
 }
 
-static void statuses_have_texts(void **state)
-{
-#define ROW(name, code, text) {name, code, text},
-    static const struct { gp_status status; int code; const char *text; }
-        rows[] = {
-        GP_STATUS_LIST(ROW) };
-#undef ROW
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        assert_int_equal(rows[i].status, rows[i].code);
-        assert_string_equal(gp_status_text(rows[i].status), rows[i].text);
-    }
-    static const int others[] = {-1, 1, 8, 69, 71, 255, INT_MAX, INT_MIN};
-    for (size_t i = 0; i < COUNT(others); i++)
-        assert_string_equal(gp_status_text((gp_status) others[i]),
-                            "unknown status");
-}
-
 static void bridges_are_looked_for(void **state)
 {
     char folder[] = "/tmp/glarepp-bridge-XXXXXX", path[64], why[512];
@@ -171,20 +153,6 @@ static void bridges_are_looked_for(void **state)
     set_env("GLAREPP_BRIDGES", NULL);
 }
 
-static void cpu_can_be_told(void **state)
-{
-    static const char *const others[] = {"", "bas", "basement", "avx2"};
-    set_env("GLAREPP_CPU", NULL);
-    const bool there = gp_cpu_has_avx2();
-    set_env("GLAREPP_CPU", "base");
-    assert_false(gp_cpu_has_avx2());
-    for (int i = 0; i < 4; i++) {
-        set_env("GLAREPP_CPU", others[i]);
-        assert_true(gp_cpu_has_avx2() == there);
-    }
-    set_env("GLAREPP_CPU", NULL);
-}
-
 /* Only the samples asked for become 0, in few as in many. */
 static void planes_are_cleared(void **state)
 {
@@ -205,7 +173,5 @@ static void planes_are_cleared(void **state)
     }
 }
 
-SUITE_OF(small, NULL, NULL, names_move_no_cursor,
-         json_is_whole_or_null,
-         messages_are_one_line, statuses_have_texts, bridges_are_looked_for,
-         cpu_can_be_told, planes_are_cleared)
+SUITE_OF(small, NULL, NULL, names_move_no_cursor, json_is_whole_or_null,
+    messages_are_one_line, bridges_are_looked_for, planes_are_cleared)

@@ -1,7 +1,6 @@
 /* gl: contexts open, fail with words, live side by side; textures come back
  * bit for bit; what is too large or wrong is named; shaders' messages point at
- * their files; targets, uniforms and lists are to a shader what they
- * were meant to be. */
+ * their files; a draw sees what its list held. */
 #include "unit.h"
 #include "gl_open.h"
 
@@ -309,156 +308,6 @@ static void compiler_speaks_of_the_file(void **state)
     }
 }
 
-static void shader_files_open_with_a_comment(void **state)
-{
-    int files = 0;
-    for (const struct gp_shader_file *f = gp_shader_files; f->name; f++) {
-        assert_memory_equal(f->text, "// ", 3);
-        if (strcmp(f->name, "common.glsl") == 0)
-            continue;
-        files++;
-        if (!strstr(f->text, "\n// in ") || !strstr(f->text, "\n// out ") ||
-            !strstr(f->text, "\n// CPU twin: "))
-            fail_msg("%s: in, out or CPU twin is missing", f->name);
-    }
-    assert_true(files >= 4);
-}
-
-/* -- inputs of shaders ----------------------------------------------------- */
-
-/* A program, and a target of n attachments to draw to. */
-static struct gp_gl *gl;
-static struct gp_program program;
-static struct gp_target target;
-
-static void open_stage(const char *defines, const char *vert, const char *frag,
-                       int n, int w, int h)
-{
-    const struct gp_shader_file v = {"test.vert", vert};
-    const struct gp_shader_file f = {"test.frag", frag};
-    gl = open_or_skip(GP_GL_AUTO);
-    if (gp_program_from_text(&kept_log, gl, defines, &v, &f, &program) != GP_OK)
-        fail_msg("%s", kept_line);
-    assert_ok(gp_target_make(&kept_log, gl, "target", GP_TEXEL_FLOAT, n, w, h,
-                             &target));
-    assert_int_equal(target.n, n);
-}
-
-static void close_stage(void)
-{
-    assert_ok(gp_gl_check(&kept_log, gl, "test"));
-    gp_target_free(gl, &target);
-    assert_int_equal(target.n, 0);
-    gp_program_free(gl, &program);
-    gp_gl_close(&gl);
-}
-
-/* Draws a triangle over the whole target. */
-static gp_status draw_once(const struct gp_uniform *uniform, bool replace)
-{
-    const struct gp_draw draw = {
-        .program = &program, .target = &target, .cut = {0, 0, 999, 999},
-        .uniform = uniform, .vertices = 3, .instances = 1, .replace = replace,
-    };
-    return gp_draw_run(&kept_log, gl, &draw);
-}
-
-static const char eight[] = "uniform float first;\n"
-    "layout(location = 0) out vec4 o0; layout(location = 1) out vec4 o1;\n"
-    "layout(location = 2) out vec4 o2; layout(location = 3) out vec4 o3;\n"
-    "layout(location = 4) out vec4 o4; layout(location = 5) out vec4 o5;\n"
-    "layout(location = 6) out vec4 o6; layout(location = 7) out vec4 o7;\n"
-    "void main() {\n"
-    "    vec4 v = vec4(gl_FragCoord.xy, first, 0.0);\n"
-    "    o0 = v; v.a++; o1 = v; v.a++; o2 = v; v.a++; o3 = v; v.a++;\n"
-    "    o4 = v; v.a++; o5 = v; v.a++; o6 = v; v.a++; o7 = v; }\n";
-
-/* Each attachment has its own output, and its own sums; all are cleared. */
-static void attachments_are_apart(void **state)
-{
-    static float px[4 * 5 * 3];
-    const struct gp_rect all = {0, 0, 5, 3};
-    const struct gp_uniform u[] = {{.name = "first", .floats = 1,
-                                    .f = {0.25f}}, {0}};
-    for (int n = 1; n <= GP_ATTACHMENTS; n++) {
-        open_stage("", good_vert.text, eight, n, 5, 3);
-        for (int i = 0; i < 3; i++)
-            assert_ok(draw_once(u, i < 2));
-        for (int i = 0; i < n; i++) {
-            gp_target_read(gl, &target, i, all, px);
-            for (int k = 0; k < 15; k++) {
-                assert_true(px[4 * k] == 2.0f * (float) (k % 5) + 1.0f);
-                assert_true(px[4 * k + 1] == 2.0f * (float) (k / 5) + 1.0f);
-                assert_true(px[4 * k + 2] == 0.5f);
-                assert_true(px[4 * k + 3] == 2.0f * (float) i);
-            }
-        }
-        gp_target_clear(gl, &target, all);
-        for (int i = 0; i < n; i++) {
-            gp_target_read(gl, &target, i, all, px);
-            for (int k = 0; k < 60; k++)
-                assert_true(px[k] == 0.0f);
-        }
-        close_stage();
-    }
-}
-
-/* One value of each kind reaches the shader. */
-static void uniforms_arrive(void **state)
-{
-    static const char frag[] =
-        "uniform float one; uniform vec2 two; uniform vec4 four;\n"
-        "uniform ivec2 whole; uniform sampler2D texture0;\n"
-        "layout(rgba32f) readonly uniform image2D image0;\n"
-        "layout(rgba32f) readonly uniform imageBuffer list0;\n"
-        "layout(std140) uniform Block { vec4 entry[2]; };\n"
-        "layout(location = 0) out vec4 a; layout(location = 1) out vec4 b;\n"
-        "layout(location = 2) out vec4 c;\n"
-        "void main() {\n"
-        "    a = vec4(one, two, four.w);\n"
-        "    b = vec4(whole, texelFetch(texture0, ivec2(1, 0), 0).g,\n"
-        "             imageLoad(image0, ivec2(0, 1)).b);\n"
-        "    c = vec4(imageLoad(list0, 2).r, entry[1].a, VALUE, four.r); }\n";
-    static const float texels[16] = {[5] = 7.0f, [10] = 8.0f, [12] = 9.0f};
-    static const float want[12] = {0.5f, 0.25f, 0.75f, 3.0f, -4.0f, 5.0f,
-                                   7.0f, 8.0f,  11.0f, 12.0f, 13.0f, 0.0f};
-    static const float entries[12] = {[7] = 12.0f, [8] = 11.0f};
-    const struct gp_rect square = {0, 0, 2, 2};
-    struct gp_texture sharp = {0};
-    struct gp_buffer list = {0}, block = {0};
-    float got[12];
-    open_stage("#define VALUE 13.0\n", good_vert.text, frag, 3, 1, 1);
-    assert_ok(
-        gp_texture_make(&kept_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
-    assert_ok(gp_buffer_make(&kept_log, gl, "c", GP_BUFFER_TEXELS, 3, &list));
-    assert_ok(gp_buffer_make(&kept_log, gl, "d", GP_BUFFER_BLOCK, 2, &block));
-    gp_texture_write(gl, &sharp, square, texels);
-    gp_buffer_write(gl, &list, 1, 2, entries + 4);
-    gp_buffer_write(gl, &block, 0, 2, entries);
-    const struct gp_uniform u[] = {
-        {.name = "one", .floats = 1, .f = {0.5f}},
-        {.name = "two", .floats = 2, .f = {0.25f, 0.75f}},
-        {.name = "four", .floats = 4, .f = {0, 0, 0, 3.0f}},
-        {.name = "whole", .v = {-4, 5}},
-        {.name = "texture0", .texture = &sharp},
-        {.name = "image0", .image = &sharp}, {.name = "list0", .texels = &list},
-        {.name = "Block", .block = &block}, {0}};
-    assert_ok(draw_once(u, true));
-    for (int i = 0; i < 3; i++)
-        gp_target_read(gl, &target, i, (struct gp_rect) {0, 0, 1, 1},
-                       got + 4 * i);
-    for (int i = 0; i < 12; i++)
-        assert_true(got[i] == want[i]);
-    const struct gp_uniform absent[] = {{.name = "Absent", .block = &block},
-                                        {0}};
-    assert_int_equal(draw_once(absent, false), GP_ERR_BUG);
-    assert_kept("Absent");
-    gp_texture_free(gl, &sharp);
-    gp_buffer_free(gl, &list);
-    gp_buffer_free(gl, &block);
-    close_stage();
-}
-
 /* A draw sees what its list held when it was asked for, though the list is
  * written again, and made anew, before anything is read back. */
 static void lists_wait_for_draws(void **state)
@@ -470,9 +319,16 @@ static void lists_wait_for_draws(void **state)
         "    for (int i = 0; i < 64; i++) c += imageLoad(list, i); }\n";
     static float px[4 * SIDE * SIDE];
     float entries[4 * 64];
+    const struct gp_shader_file file = {"test.frag", frag};
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    struct gp_program program = {0};
+    struct gp_target target = {0};
     struct gp_buffer list = {0};
     const struct gp_rect all = {0, 0, SIDE, SIDE};
-    open_stage("", good_vert.text, frag, 1, SIDE, SIDE);
+    assert_ok(gp_program_from_text(&kept_log, gl, "", &good_vert, &file,
+                                   &program));
+    assert_ok(gp_target_make(&kept_log, gl, "target", GP_TEXEL_FLOAT, 1, SIDE,
+                             SIDE, &target));
     gp_target_clear(gl, &target, all);
     for (int d = 0; d < DRAWS; d++) {
         const struct gp_uniform u[] = {{.name = "list", .texels = &list}, {0}};
@@ -484,20 +340,23 @@ static void lists_wait_for_draws(void **state)
         for (int i = 0; i < 4 * 64; i++)
             entries[i] = (float) (1 << d);
         gp_buffer_write(gl, &list, 0, 64, entries);
-        assert_ok(draw_once(u, false));
+        assert_ok(gp_draw_run(&kept_log, gl, &(struct gp_draw) {
+            .program = &program, .target = &target, .cut = all, .uniform = u,
+            .vertices = 3, .instances = 1}));
     }
     gp_buffer_free(gl, &list);
     gp_target_read(gl, &target, 0, all, px);
     for (int i = 0; i < 4 * SIDE * SIDE; i++)
         assert_true(px[i] == 64.0f * (float) ((1 << DRAWS) - 1));
-    close_stage();
+    assert_ok(gp_gl_check(&kept_log, gl, "test"));
+    gp_target_free(gl, &target);
+    gp_program_free(gl, &program);
+    gp_gl_close(&gl);
 }
 
 // old_version_is_named comes before any Mesa
-SUITE_OF(gl, NULL, NULL,
-    old_version_is_named, opens_and_closes, bad_libraries_are_named,
-    auto_falls_back, limit_can_only_be_lowered,
+SUITE_OF(gl, NULL, NULL, old_version_is_named, opens_and_closes,
+    bad_libraries_are_named, auto_falls_back, limit_can_only_be_lowered,
     contexts_live_side_by_side, errors_are_named_and_cleared,
     blocks_and_lists_have_limits, compiler_speaks_of_the_file,
-    shader_files_open_with_a_comment, attachments_are_apart, uniforms_arrive,
     lists_wait_for_draws)

@@ -106,25 +106,5 @@ static void nan_stays_nan(void **state)
     }
 }
 
-static int use_plain_form(void **state)
-{
-    return set_env("GLAREPP_CPU", "base");
-}
-
-static int use_any_form(void **state)
-{
-    return set_env("GLAREPP_CPU", NULL);
-}
-
-#define TWICE(test)                                                           \
-    cmocka_unit_test_setup_teardown(test, use_any_form, use_any_form),        \
-    {#test " plain", test, use_plain_form, use_any_form, NULL}
-
-SUITE(half)
-{
-    const struct CMUnitTest tests[] = {
-        TWICE(all_halfs_to_float), TWICE(rounding_is_to_nearest_even),
-        TWICE(large_values_are_clamped_and_counted), TWICE(nan_stays_nan),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(half, NULL, NULL, all_halfs_to_float, rounding_is_to_nearest_even,
+         large_values_are_clamped_and_counted, nan_stays_nan)

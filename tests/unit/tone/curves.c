@@ -107,7 +107,6 @@ static void grey_ramps_rise(void **state)
     enum { N = 60000 };
     static float v[3][N];
     for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
-        assert_true((*c)->monotone);
         if (!(*c)->map)
             continue;
         v[0][0] = 0.0f; // then 1e-9 to 1e9

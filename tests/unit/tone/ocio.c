@@ -134,36 +134,6 @@ static void bad_pixels_stay_alone(void **state)
     gp_ocio_close(&o);
 }
 
-static void same_for_any_threads(void **state)
-{
-    struct glarepp_tone_params p = ask();
-    p.view = "Twice";
-    p.output = "turned";
-    struct gp_ocio *o = opened(&p);
-    struct gp_image f = lit_frame(301, 97, 0.1f);
-    const size_t n = gp_image_pixels(&f);
-    const struct glarepp_tone_params tone = {.exposure = 0.3f, .key = 0.18f,
-                                        .auto_exposure = true};
-    float *first = malloc(n * sizeof *first);
-    assert_non_null(first);
-    for (int threads = 1; threads <= 5; threads += 2) {
-        struct gp_planes out = {0};
-        gp_set_threads(threads);
-        assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
-        assert_ok(gp_ocio_convert(&kept_all, o, &f, gp_image_pixels(&f),
-                                  &f.lit, &out));
-        if (threads == 1)
-            memcpy(first, f.shown.c[2], n * sizeof *first);
-        assert_memory_equal(first, f.shown.c[2], n * sizeof *first);
-        assert_memory_equal(out.c[1], f.lit.c[0], n * sizeof *first);
-        gp_planes_free(&out);
-    }
-    gp_set_threads(0);
-    free(first);
-    gp_image_free(&f);
-    gp_ocio_close(&o);
-}
-
 /* A transform that was not asked for is an error, not a crash. */
 static void only_what_was_asked(void **state)
 {
@@ -329,5 +299,5 @@ static void bad_configs(void **state)
 }
 
 SUITE_OF(ocio, start, remove_folder, view_of_every_pixel, bad_pixels_stay_alone,
-         same_for_any_threads, only_what_was_asked, what_is_chosen,
-         wrong_names_list_the_right_ones, many_names_are_cut, bad_configs)
+    only_what_was_asked, what_is_chosen, wrong_names_list_the_right_ones,
+    many_names_are_cut, bad_configs)
