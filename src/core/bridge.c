@@ -98,6 +98,16 @@ const void *gp_bridge_open(const char *name, const char *entry, char *why,
     return api;
 }
 
+/* Prints the line for bytes that cannot be shared, by errno. */
+static gp_status shared_failed(const struct gp_log *log, const char *path,
+                               size_t size)
+{
+    if (errno == ENOMEM)
+        return gp_no_memory(log, path);
+    return gp_fail(log, GP_ERR_IO, "%s: %zu bytes cannot be shared with a "
+        "helper (%s); raise ulimit -f or -n", path, size, strerror(errno));
+}
+
 gp_status gp_shared_make(const struct gp_log *log, const char *path,
                          size_t size, struct gp_shared *out)
 {
@@ -114,19 +124,10 @@ gp_status gp_shared_make(const struct gp_log *log, const char *path,
         *out = s;
         return GP_OK;
     }
-    const gp_status st = gp_shared_failed(log, path, size);
+    const gp_status st = shared_failed(log, path, size);
     if (s.fd >= 0)
         close(s.fd);
     return st;
-}
-
-gp_status gp_shared_failed(const struct gp_log *log, const char *path,
-                           size_t size)
-{
-    if (errno == ENOMEM)
-        return gp_no_memory(log, path);
-    return gp_fail(log, GP_ERR_IO, "%s: %zu bytes cannot be shared with a "
-        "helper (%s); raise ulimit -f or -n", path, size, strerror(errno));
 }
 
 void gp_shared_free(struct gp_shared *shared)

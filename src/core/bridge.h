@@ -39,10 +39,6 @@ struct gp_shared {
  * or more bytes than a file may have (ulimit -f). */
 GP_MUST_CHECK gp_status gp_shared_make(const struct gp_log *log,
     const char *path, size_t size, struct gp_shared *out);
-/* Prints the line for `size` bytes that cannot be shared, by errno, and returns
- * its status. */
-gp_status gp_shared_failed(const struct gp_log *log, const char *path,
-                           size_t size);
 void gp_shared_free(struct gp_shared *shared);
 
 #endif

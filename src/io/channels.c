@@ -193,16 +193,17 @@ enum { RANKS = 5 };
 static int depth_rank(const struct gp_channel *channel, int channels,
                       const char *name, size_t skip)
 {
-    static const char *const exact[] = {"Z", "depth.Z", "Depth.Z"};
+    static const char *const names[RANKS] = {"Z", "depth.Z", "Depth.Z",
+                                             ".Depth.Z", ".Z"};
     const char *const own = name + skip;
     const size_t n = strlen(own);
-    int rank = RANKS;
-    for (int i = 0; i < 3 && rank == RANKS; i++)
-        rank = strcmp(own, exact[i]) == 0 ? i : RANKS;
-    if (n > 8 && strcmp(own + n - 8, ".Depth.Z") == 0)
-        rank = 3;
-    else if (rank == RANKS && n > 2 && strcmp(own + n - 2, ".Z") == 0)
-        rank = 4;
+    int rank = 0;
+    for (; rank < RANKS; rank++) { // the last two are endings
+        const size_t k = strlen(names[rank]);
+        if ((rank < 3 ? n == k : n > k) &&
+            strcmp(own + n - k, names[rank]) == 0)
+            break;
+    }
     return (rank == 0 || rank == 4) && is_no_depth(channel, channels, name)
                ? RANKS : rank;
 }
@@ -386,11 +387,7 @@ char *gp_colour_name(const char *name, int c)
 
 int gp_find_alpha(const struct gp_frame *f)
 {
-    const char *colour = NULL;
-    for (int i = 0; i < f->channels && !colour; i++) {
-        if (f->channel[i].colour >= 0)
-            colour = f->channel[i].name;
-    }
+    const char *const colour = gp_frame_colour(f);
     if (!colour)
         return -1;
     const size_t layer = gp_layer_length(colour);

@@ -390,13 +390,11 @@ gp_status gp_members_views(const struct gp_log *log,
 void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
 {
     const struct gp_input *const in = gp_input_of(f);
-    int i = 0;
+    const char *const colour = gp_frame_colour(f);
+    const char *const name = colour ? colour : "";
     *out = (struct gp_taken) {0};
     if (f->parts > 1)
         snprintf(out->part, sizeof out->part, "%d", f->part);
-    while (i < f->channels && f->channel[i].colour < 0)
-        i++;
-    const char *const name = i < f->channels ? f->channel[i].name : "";
     const size_t dot = gp_layer_length(name);
     if (in)
         gp_exr_taken(in, f->part, name, out);

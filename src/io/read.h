@@ -106,17 +106,13 @@ GP_MUST_CHECK gp_status gp_read_layer(const struct gp_log *log,
 
 /* Lists the views that an EXR names and that hold the colour which `p` asks
  * for; p->view does not count. First comes the view that gp_read_frame() takes
- * without p->view, then the others in the order of the file.
- *
- *   out  written only on GP_OK; `n` is 0 for a file that names fewer than two
- *        (the view need not be chosen) and for other formats; free with
- *        gp_views_free()
- *
+ * without p->view, then the others in the order of the file. None of a file
+ * that names fewer than two, and of other formats. Free with gp_views_free().
  * Errors: those of gp_read_frame() for a file that cannot be opened. */
 GP_MUST_CHECK gp_status gp_read_views(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_views *out);
 
-/* The same of a frame that was read. Errors: GP_ERR_BUG out of memory. */
+/* The same of a frame that was read. */
 GP_MUST_CHECK gp_status gp_frame_views(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f,
     struct gp_views *out);
@@ -148,11 +144,10 @@ struct gp_members {
  *   p     max_pixels bounds the bytes of the whole stream: 16 for each pixel,
  *         and 64 MiB
  *   path  "-", or a pipe
- *   out   written only on GP_OK; free with gp_members_free() after the last
- *         frame read from it is freed
+ *   out   written only on GP_OK; outlives the frames read from it
  *
- * Errors: those of gp_read_open(); GP_ERR_DATA bytes after an image that
- * begin no EXR, PNG or PFM; GP_ERR_BUG out of memory. */
+ * Errors: those of gp_read_frame(); GP_ERR_DATA bytes after an image that
+ * begin no EXR, PNG or PFM. */
 GP_MUST_CHECK gp_status gp_members_read(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_members *out);
 /* Frees what it owns and clears it; an empty or all-zero one is fine. */

@@ -167,40 +167,35 @@ static bool add_frame(struct gp_frames *f, int number)
 
 enum { REPEAT = INT_MIN }; // no frame's number
 
-struct place {
-    int number, at;
-};
-
-/* Orders by number, equal ones as they came. */
-static int by_number(const void *a, const void *b)
+static int by_key(const void *a, const void *b)
 {
-    const struct place *const p = a, *const q = b;
-    return p->number != q->number ? (p->number > q->number ? 1 : -1)
-                                  : p->at - q->at;
+    const int64_t x = *(const int64_t *) a, y = *(const int64_t *) b;
+    return (x > y) - (x < y);
 }
 
 /* Keeps the first of equal numbers, in the order they came. */
 static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
-    struct place *place;
+    enum { PLACES = 1 << 20 }; // over GP_FRAME_LIST_MAX
+    int64_t *key; // a number and its place
     const int n = f->n;
-    gp_status st = gp_alloc(log, "frame list", (size_t) n, sizeof *place,
-                            &place);
+    const gp_status st = gp_alloc(log, "frame list", (size_t) n, sizeof *key,
+                                  &key);
     if (st)
         return st;
     for (int i = 0; i < n; i++)
-        place[i] = (struct place) {f->number[i], i};
-    qsort(place, (size_t) n, sizeof *place, by_number);
-    for (int i = n - 1; i > 0; i--) {
-        if (place[i].number == place[i - 1].number)
-            f->number[place[i].at] = REPEAT;
+        key[i] = (int64_t) f->number[i] * PLACES + i;
+    qsort(key, (size_t) n, sizeof *key, by_key);
+    for (int i = 1; i < n; i++) {
+        if (key[i] >> 20 == key[i - 1] >> 20)
+            f->number[key[i] & (PLACES - 1)] = REPEAT;
     }
     f->n = 0;
     for (int i = 0; i < n; i++) {
         if (f->number[i] != REPEAT)
             f->number[f->n++] = f->number[i];
     }
-    gp_free(place);
+    gp_free(key);
     return GP_OK;
 }
 

@@ -88,12 +88,11 @@ bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more);
 /* Reads a list of views: names, separated by commas.
  *   out  written only on GP_OK; free with gp_views_free()
  * Errors: GP_ERR_USAGE a name that is empty, comes twice or has a slash; more
- * than GP_VIEWS_MAX. GP_ERR_BUG out of memory. */
+ * than GP_VIEWS_MAX. */
 GP_MUST_CHECK gp_status gp_views_parse(const struct gp_log *log,
                                        const char *text, struct gp_views *out);
 
-/* Copies a list of `n` names, at most GP_VIEWS_MAX of them, as they are.
- * Errors: GP_ERR_BUG out of memory. */
+/* Copies a list of `n` names, at most GP_VIEWS_MAX of them, as they are. */
 GP_MUST_CHECK gp_status gp_views_copy(const struct gp_log *log,
     const char *const *name, int n, struct gp_views *out);
 void gp_views_free(struct gp_views *v);

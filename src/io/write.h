@@ -124,8 +124,6 @@ enum gp_picture_kind {
  * version as glarepp:version: string attributes, or text chunks. Those of the
  * input are never carried.
  *
- * Files are written as PATH's folder/.NAME.PID.tmp and renamed; on any error
- * neither name is there, and a file that was there stays whole.
  * Errors: GP_ERR_IO with the system's reason; GP_ERR_USAGE unknown ending,
  * or a compression that the format lacks. */
 GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,

@@ -117,34 +117,6 @@ static void claims(void **state)
     }
 }
 
-// -- TIFFs made byte by byte -----------------------------------------------
-
-/* One directory after the pixels, Intel's order, each field with the one value
- * that fits into it. */
-
-enum { TIFF_FIELDS = 16, TIFF_PIXELS = 8, TIFF_ROOM = 8192 };
-
-/* Ends with tag 0. A value of short goes into two bytes, two of them into
- * four. */
-struct tiff_field {
-    int tag, type, count;
-    uint32_t value;
-};
-#define TIFF_SHORT(tag, value) {tag, 3, 1, value}
-#define TIFF_LONG(tag, value) {tag, 4, 1, value}
-
-#define GREY(w, h, bits)                                                      \
-    TIFF_LONG(256, w), TIFF_LONG(257, h), TIFF_SHORT(258, bits),              \
-    TIFF_SHORT(259, 1), TIFF_SHORT(262, 1)
-#define STRIP(rows, bytes)                                                    \
-    TIFF_LONG(273, TIFF_PIXELS), TIFF_SHORT(277, 1), TIFF_LONG(278, rows),    \
-    TIFF_LONG(279, bytes)
-#define TILE(w, h, bytes)                                                     \
-    TIFF_SHORT(277, 1), TIFF_LONG(322, w), TIFF_LONG(323, h),                 \
-    TIFF_LONG(324, TIFF_PIXELS), TIFF_LONG(325, bytes)
-
-#define FAR (1 << 29)
-
 /* Each format cut off, by little and by much, in its file and in memory. */
 static void cut_off(void **state)
 {
