@@ -67,7 +67,7 @@ static struct target target_of(const struct gp_write_params *p,
         GP_STDOUT_LIST(X)
 #undef X
     };
-    struct target t = {NULL};
+    struct target t = {.format = NULL};
     gp_file_ending(path, t.ending, ENDING_BYTES);
     t.straight = !t.ending[0] && gp_file_is_straight(path);
     if (t.straight)

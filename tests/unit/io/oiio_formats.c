@@ -9,9 +9,6 @@
 #include "reading.h"
 #include "write_fixture.h"
 
-#include <signal.h>
-#include <sys/resource.h>
-
 enum { W = 16, H = 12, PIXELS = W * H };
 
 static const char *const rgba[] = {"R", "G", "B", "A", "a", "b", "c", "d", "e"};
@@ -208,44 +205,6 @@ static void readers_that_are_never_asked(void **state)
     free(bytes);
 }
 
-// -- pictures of frames -------------------------------------------------------
-
-/* Under a limit in the midst of the pixels: one line, and no file. */
-static void pictures_that_do_not_fit(void **state)
-{
-    static const struct {
-        const char *name;
-        bool helper;
-    } row[] = {
-        {"a.png", false}, {"a.pfm", false}, {"a.tif", true}, {"a.sgi", true},
-    };
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_frame f = wf_sized(900, 900, wf_rgb);
-    p.depth_bits = 16;
-    for (size_t i = 0; i < 3 * gp_frame_pixels(&f); i++)
-        f.rgb.c[i % 3][i / 3] =
-            (float) (wf_hash((uint32_t) i, 1, 2) >> 8) / 0x1p24f;
-    void (*const handler)(int) = signal(SIGXFSZ, SIG_IGN);
-    for (size_t i = 0; i < COUNT(row); i++) {
-        if (row[i].helper && !has_oiio)
-            continue;
-        const int before = wf_names();
-        struct rlimit was, now;
-        assert_int_equal(getrlimit(RLIMIT_FSIZE, &was), 0);
-        now = (struct rlimit) {1500000, was.rlim_max};
-        assert_int_equal(setrlimit(RLIMIT_FSIZE, &now), 0);
-        const gp_status st = wf_write(&p, row[i].name, &f, GP_PICTURE_SHOWN);
-        setrlimit(RLIMIT_FSIZE, &was);
-        assert_int_equal(st, GP_ERR_IO);
-        assert_kept(row[i].name);
-        assert_int_equal(wf_names(), before);
-        assert_ok(wf_write(&p, row[i].name, &f, GP_PICTURE_SHOWN));
-        remove(wf_path(row[i].name));
-    }
-    signal(SIGXFSZ, handler);
-    gp_frame_free(&f);
-}
-
 /* Endings that are written; OpenImageIO has writers for more. */
 static void endings(void **state)
 {
@@ -291,4 +250,4 @@ static int setup(void **state)
 
 SUITE_OF(oiio_formats, setup, remove_folder, written_formats_come_back, claims,
          cut_off, formats_that_are_not_read, readers_that_are_never_asked,
-         pictures_that_do_not_fit, endings)
+         endings)
