@@ -22,9 +22,9 @@ enum { GP_FIRST_BYTES = 18 }; // checked for magic: Targa's header
  * also, for messages, "gzip" or "web page". NULL for unknown bytes. */
 const char *gp_format_name(const uint8_t *first, size_t n);
 
-/* Reads a picture, as gp_read_image() does. */
+/* Reads the only picture of a file, as gp_read_image() does. */
 typedef gp_status gp_picture_reader(const struct gp_log *log, const char *path,
-    const struct gp_stream *stream, int part, long long max_pixels,
+    const struct gp_stream *stream, long long max_pixels,
     struct gp_decoded *out);
 
 /* A format that is read. */

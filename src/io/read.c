@@ -207,7 +207,10 @@ gp_status gp_read_image(const struct gp_log *log,
     const gp_status st = find_reader(log, path, stream, &r);
     if (st)
         return st;
-    return r->open ? r->open(log, path, stream, part, p->max_pixels, out)
+    if (r->open && part > 0)
+        return gp_fail(log, GP_ERR_DATA, "%s: has no part %d: a %s is one "
+                       "picture; give part 0", path, part, r->format);
+    return r->open ? r->open(log, path, stream, p->max_pixels, out)
                    : gp_oiio_open(log, path, stream, r->oiio, part,
                                   p->max_pixels, out);
 }
@@ -264,9 +267,15 @@ static gp_status list_views(const struct gp_log *log,
     const char *view[GP_VIEWS_MAX];
     const int n = in ? gp_exr_views(p, in, view) : 0;
     *out = (struct gp_views) {0};
-    if (n < 0)
-        return gp_no_memory_bare(log, "view list");
-    return n > 1 ? gp_views_copy(log, view, n, out) : GP_OK;
+    bool full = n < 0;
+    for (int i = 0; n > 1 && i < n && !full; i++) {
+        out->name[i] = gp_strdup(view[i]);
+        full = !out->name[i];
+        out->n += !full;
+    }
+    if (full)
+        gp_views_free(out);
+    return full ? gp_no_memory_bare(log, "view list") : GP_OK;
 }
 
 gp_status gp_frame_views(const struct gp_log *log,
@@ -377,11 +386,10 @@ gp_status gp_members_frame(const struct gp_log *log,
 }
 
 gp_status gp_members_views(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_members *m, int i,
+    const struct gp_read_params *p, const struct gp_members *m,
     struct gp_views *out)
 {
-    struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
-                                         m->member[i].size);
+    struct gp_stream view = gp_stream_of(m->stream.data, m->member[0].size);
     return stream_views(log, p, "-", &view, out);
 }
 

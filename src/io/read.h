@@ -161,9 +161,9 @@ GP_MUST_CHECK gp_status gp_members_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *name,
     const struct gp_members *m, int i, struct gp_frame *out);
 
-/* gp_read_views() for image `i` of [0, m->n). */
+/* gp_read_views() for the first image. */
 GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_members *m, int i,
+    const struct gp_read_params *p, const struct gp_members *m,
     struct gp_views *out);
 
 /* -- versions -------------------------------------------------------------- */

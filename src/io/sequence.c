@@ -396,21 +396,6 @@ out:
     return st;
 }
 
-gp_status gp_views_copy(const struct gp_log *log, const char *const *name,
-                        int n, struct gp_views *out)
-{
-    struct gp_views v = {0};
-    for (; v.n < n; v.n++) {
-        v.name[v.n] = gp_strdup(name[v.n]);
-        if (!v.name[v.n]) {
-            gp_views_free(&v);
-            return gp_no_memory_bare(log, "view list");
-        }
-    }
-    *out = v;
-    return GP_OK;
-}
-
 gp_status gp_views_check(const struct gp_log *log, const struct gp_pattern *p,
                          const struct gp_views *v)
 {

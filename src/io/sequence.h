@@ -92,9 +92,6 @@ bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more);
 GP_MUST_CHECK gp_status gp_views_parse(const struct gp_log *log,
                                        const char *text, struct gp_views *out);
 
-/* Copies a list of `n` names, at most GP_VIEWS_MAX of them, as they are. */
-GP_MUST_CHECK gp_status gp_views_copy(const struct gp_log *log,
-    const char *const *name, int n, struct gp_views *out);
 void gp_views_free(struct gp_views *v);
 
 /* Checks a pattern for these views.

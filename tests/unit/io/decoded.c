@@ -183,7 +183,7 @@ static gp_status open_bytes(const uint8_t *bytes, size_t n,
     s = gp_stream_of(bytes, n);
     *image = (struct gp_decoded) {0};
     kept_clear();
-    return gp_pfm_open(&kept_log, "a.pfm", &s, 0, MOST, image);
+    return gp_pfm_open(&kept_log, "a.pfm", &s, MOST, image);
 }
 
 /* Values stay what they are, times the scale, and come from the top; where an
@@ -249,9 +249,6 @@ static void damaged_headers(void **state)
         assert_ok(gp_pfm_length(bytes, n, &length));
         assert_int_equal(length, 0);
     }
-    const struct gp_stream whole = gp_stream_of(bytes, size);
-    assert_int_equal(gp_pfm_open(&kept_log, "a.pfm", &whole, 1, MOST, &image),
-                     GP_ERR_DATA); // it has no part 1
 }
 
 SUITE_OF(decoded, make_folder, remove_folder, curves, no_such_layer,

@@ -70,7 +70,7 @@ static gp_status read_png(const void *bytes, size_t size,
     const struct gp_stream s = gp_stream_of(bytes, size);
     kept_clear();
     *image = (struct gp_decoded) {0};
-    return gp_png_open(&kept_all, "in", &s, 0, 1 << 20, image);
+    return gp_png_open(&kept_all, "in", &s, 1 << 20, image);
 }
 
 static gp_status check_png(const void *bytes, size_t size)
@@ -221,7 +221,8 @@ static void chunks(void **state)
     assert_string_equal(image.attribute[0].text, "two");
     gp_decoded_close(&image);
     const struct gp_stream s = gp_stream_of(m.bytes, m.n);
-    assert_int_equal(gp_png_open(&kept_all, "in", &s, 1, 1, &image),
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    assert_int_equal(gp_read_image(&kept_all, &p, "in", &s, 1, &image),
                      GP_ERR_DATA);
 }
 
