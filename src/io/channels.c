@@ -83,12 +83,6 @@ static bool named_like_ids(const char *name)
 
 /* -- depth by name -------------------------------------------------------- */
 
-bool gp_is_mist(const char *layer, size_t len)
-{
-    const size_t start = gp_last_part(layer, len);
-    return len - start == 4 && strncasecmp(layer + start, "mist", 4) == 0;
-}
-
 /* True for a layer whose name, after its last dot, is one of `n`: words in any
  * case, letters as they are. */
 static bool is_called(const char *layer, size_t len, const char *const *name,
@@ -102,6 +96,11 @@ static bool is_called(const char *layer, size_t len, const char *const *name,
             return true;
     }
     return false;
+}
+
+bool gp_is_mist(const char *layer, size_t len)
+{
+    return is_called(layer, len, (const char *const[]) {"mist"}, 1);
 }
 
 static bool is_vector(const char *layer, size_t len)

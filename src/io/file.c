@@ -330,8 +330,6 @@ static const char *hint(int error)
     case EPERM:
     case EROFS:
         return "check the permissions or write to another place";
-    case ENAMETOOLONG:
-        return "use a shorter name";
     default:
         return "check the name and the place";
     }

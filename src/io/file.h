@@ -63,13 +63,12 @@ GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
 void gp_file_discard(struct gp_file **f);
 
 /* Opens a file that grows line by line: not replaced, for others read it, and
- * not cut. Follows links as above. Starts at the end with `append`, else at the
- * start; a descriptor of the process where it is.
+ * not cut. Starts at the end with `append`, else at the start; a descriptor of
+ * the process where it is.
  *
  *   out      descriptor; close() it
  *   created  the file's own name where there was none, gp_free() it; else NULL
- *
- * Errors: those of gp_file_open(). */
+ */
 GP_MUST_CHECK gp_status gp_file_open_lines(const struct gp_log *log,
     const char *path, bool create_dir, bool append, int *out, char **created);
 
@@ -104,8 +103,7 @@ bool gp_file_is_straight(const char *path);
 char *gp_file_resolve(const char *path);
 
 /* Copies the ending of the name, in lower case and without its dot, to a buffer
- * of `room` bytes; "" when there is none or it does not fit. The name ".exr" is
- * a hidden file without an ending. */
+ * of `room` bytes; "" when there is none (".exr" is hidden) or no room. */
 void gp_file_ending(const char *path, char *ending, int room);
 
 /* -- signals --------------------------------------------------------------- */

@@ -1,4 +1,4 @@
-/* Shared by the files of io: readers, writers, quantizers, planes by name. */
+/* Shared by the files of io: readers, writers, pictures of frames. */
 #ifndef GP_IO_IO_PRIV_H
 #define GP_IO_IO_PRIV_H
 
@@ -121,9 +121,8 @@ struct gp_quantizer {
  *
  *   x, y  place of value[0] in the picture
  *
- * d is interleaved gradient noise: Jimenez, "Next Generation Post Processing
- * in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses, in fixed point,
- * so that its low bits count in wide pictures too. */
+ * d is interleaved gradient noise in fixed point: Jimenez, "Next Generation
+ * Post Processing in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses. */
 void gp_quantize(const struct gp_quantizer *q, const float *value, int x, int y,
                  uint16_t *code, size_t n);
 
@@ -159,10 +158,8 @@ GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
 void gp_picture_free(struct gp_picture *pic);
 
 /* Runs body(ctx, y, row) once for each row y of the picture, in parallel and in
- * any order. `row` is scratch of this call only, for gp_picture_codes() or
- * gp_picture_floats(); it starts with an earlier row's content. A body writes
- * nothing that another y reads and prints nothing. Errors: GP_ERR_BUG out of
- * memory; then no body has run. */
+ * any order. `row` is scratch for gp_picture_codes() and its like. A body writes
+ * nothing that another y reads and prints nothing. */
 typedef void (*gp_picture_body)(void *ctx, int y, struct gp_picture_row *row);
 GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
     const struct gp_picture *pic, gp_picture_body body, void *ctx);

@@ -26,8 +26,7 @@ struct gp_read_params {
 };
 #define GP_READ_DEFAULTS { .max_pixels = 1LL << 28 }
 
-/* The limits of `p` for another file than the frame: without layer, part and
- * view, which only the frame's files have. */
+/* The limits of `p` for another file than the frame. */
 static inline struct gp_read_params gp_read_limits(
     const struct gp_read_params *p)
 {
@@ -82,14 +81,12 @@ void gp_read_taken(const struct gp_frame *f, struct gp_taken *out);
 GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_frame *out);
 
-/* Another layer of the file that `f` was read from, without reading the file
- * again: what is in f's part comes from f's channels, the rest is decoded
- * from f's input.
+/* Another layer of the EXR that `f` was read from: what is in f's part comes
+ * from f's channels, the rest is decoded from f's input.
  *
  *   p      p->view narrows, else f's own view comes first; p->layer and
  *          p->part do not count
- *   f      read by gp_read_frame() or its like from an EXR; its rgb may have
- *          changed since
+ *   f      its rgb may have changed since
  *   layer  as p->layer there; NULL is the colour of p->view
  *   out    written only on GP_OK: windows, chromaticities, rgb and channels.
  *          A layer of f's part has its colour channels only; one of another
@@ -169,8 +166,7 @@ GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
 /* -- versions -------------------------------------------------------------- */
 
 /* Writes "OpenEXRCore 3.1.5, libpng 1.6.39, ..." into `line`: the versions that
- * this process runs with where the library has a call for it, else those it was
- * built with. Opens no library. */
+ * this process runs with where the library has a call for it. */
 void gp_io_versions(char *line, size_t size);
 
 // -- the alpha of a picture ---------------------------------------------------
@@ -182,7 +178,8 @@ struct gp_coverage {
 };
 enum { GP_COVERED = 65535 };
 
-/* Reads the alpha of a picture of any format, an EXR by glarepp-oiio.
+/* Reads the alpha of a picture of any format, an EXR by glarepp-oiio; samples
+ * are clamped to [0, 1], NaN is 0.
  *
  *   path   of the file; with `bytes` its name for messages
  *   bytes  the file's, n of them; NULL: `path` is opened, a regular file
@@ -190,7 +187,6 @@ enum { GP_COVERED = 65535 };
  *   out    written on GP_OK only; gp_free() its codes. Of a picture without
  *          alpha one pixel of GP_COVERED
  *
- * Samples outside [0, 1] are clamped, NaN is 0.
  * Errors: those of gp_read_frame(). */
 GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const void *bytes,
@@ -215,10 +211,8 @@ GP_MUST_CHECK gp_status gp_stored_open(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stored_file *f);
 void gp_stored_close(struct gp_stored_file *f);
 
-/* Reads part `part` of [0, f->parts).
- *   out  written only on GP_OK; free with gp_stored_image_free()
- * Errors: as gp_read_frame(), but for deep parts and parts without colour,
- * which are none; more samples than p->max_pixels are. */
+/* Reads part `part` of [0, f->parts), deep ones too; `out` is written only on
+ * GP_OK. Errors: as gp_read_frame(); more samples than p->max_pixels. */
 GP_MUST_CHECK gp_status gp_stored_read(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_stored_file *f, int part,
     struct gp_stored_image *out);

@@ -601,10 +601,6 @@ void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
         if (limited)
             reply.end = GP_OIIO_MEMORY;
     }
-    for (char &c : text) {
-        if (c == '\r' || c == '\0')
-            c = ' ';
-    }
     file.reset();
 }
 

@@ -54,8 +54,8 @@ GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
  *                failure
  *
  * A fourth channel is alpha: associated in float types, not associated in
- * integer ones. OpenImageIO does not report a full disk in every format, and
- * has no temporary names: the bytes go on to where they belong like all others.
+ * integer ones. OpenImageIO does not report a full disk in every format, so the
+ * bytes go on to where they belong like all others.
  *
  * Errors: GP_ERR_IO no helper, or OpenImageIO refuses or fails. */
 GP_MUST_CHECK gp_status gp_oiio_write(const struct gp_log *log,
@@ -63,8 +63,8 @@ GP_MUST_CHECK gp_status gp_oiio_write(const struct gp_log *log,
     const struct gp_shared *pixels, const char *ending, const char *type,
     const char *compression, struct gp_stream *out);
 
-/* Starts a helper where none runs, so that a run that cannot write fails before
- * its first frame. Errors: GP_ERR_IO. */
+/* Starts the helper, so that a run that cannot write fails before its first
+ * frame. Errors: GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
                                       const char *path);
 
