@@ -143,8 +143,8 @@ struct gp_picture {
     struct gp_quantizer quantizer;
 };
 
-/* Prepares rows of `planes`: of four channels without GP_ALPHA_BLACK where alpha
- * is beside the colour; codes of GP_PICTURE_ENCODED are without a curve.
+/* Prepares rows of `planes`: of four channels without GP_ALPHA_BLACK where
+ * alpha is beside the colour; codes of GP_PICTURE_ENCODED are without a curve.
  *
  *   p    depth_bits, dither and alpha are used
  *   out  empty on failure; free with gp_picture_free()
@@ -158,8 +158,8 @@ GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
 void gp_picture_free(struct gp_picture *pic);
 
 /* Runs body(ctx, y, row) once for each row y of the picture, in parallel and in
- * any order. `row` is scratch for gp_picture_codes() and its like. A body writes
- * nothing that another y reads and prints nothing. */
+ * any order. `row` is scratch for gp_picture_codes() and its like. A body
+ * writes nothing that another y reads and prints nothing. */
 typedef void (*gp_picture_body)(void *ctx, int y, struct gp_picture_row *row);
 GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
     const struct gp_picture *pic, gp_picture_body body, void *ctx);

@@ -45,7 +45,7 @@ struct gp_views {
 };
 
 /* Finds the places of number and views in `path`, if any.
- * Errors: GP_ERR_USAGE two frame numbers, or more than GP_FRAME_DIGITS digits. */
+ * Errors: GP_ERR_USAGE two frame numbers, or over GP_FRAME_DIGITS digits. */
 GP_MUST_CHECK gp_status gp_pattern_find(const struct gp_log *log,
     const char *path, struct gp_pattern *out);
 

@@ -25,7 +25,7 @@ static void close_fd(struct gp_stream *s)
     s->more = false;
 }
 
-/* Makes room for `size` bytes and reads until they are there or the pipe ends. */
+/* Makes room for `size` bytes and reads them, or until the pipe ends. */
 static gp_status read_until(const struct gp_log *log, const char *path,
                             uint64_t size, struct gp_stream *s)
 {

@@ -333,5 +333,6 @@ static int set_up(void **state)
 }
 
 SUITE_OF(read_plane, set_up, remove_folder, channels_of_a_plane_file,
-         planes_of_other_formats, deep_files, planes_over_max_pixels, depth_of_any_part,
+         planes_of_other_formats, deep_files, planes_over_max_pixels,
+         depth_of_any_part,
          names_that_are_not_there, samples_are_those_of_the_file, matrices)
