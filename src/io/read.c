@@ -40,11 +40,13 @@ static const struct {
     {"SGI", "\x01\xda", 2, 0},
     // not read
     {"Cineon", "\x80\x2a\x5f\xd7", 4, 0},
+    {"Cineon", "\xd7\x5f\x2a\x80", 4, 0},
     {"GIF", "GIF8", 4, 0},
     {"JPEG 2000", "\0\0\0\x0cjP", 6, 0},
     {"JPEG XL", "\0\0\0\x0cJXL", 7, 0},
     {"JPEG XL", "\xff\x0a", 2, 0},
     {"Photoshop", "8BPS", 4, 0},
+    {"Softimage PIC", "\x53\x80\xf6\x34", 4, 0},
     {"HEIF", "ftyphe", 6, 4},
     {"AVIF", "ftypavi", 7, 4},
     {"QuickTime or MP4 movie", "ftyp", 4, 4},
