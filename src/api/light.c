@@ -162,7 +162,7 @@ gp_status gp_api_flare(struct glarepp_frame *f)
     struct glarepp_flare_facts *const facts = &f->facts.flare;
     gp_status st = GP_OK;
     suns->flare.frame = f->p.numbered ? f->p.number : 0;
-    if (gp_suns_have_light(suns, true) && !f->image.layer.c[0])
+    if (gp_suns_have_light(suns, true))
         st = gp_api_dark_layer(&f->log, &f->image);
     if (!st)
         st = gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image);

@@ -245,7 +245,7 @@ static gp_status find_views(const struct gp_log *log,
 {
     *input = j->job[0].input;
     if (j->members.n)
-        return gp_members_views(log, &s->input.read, &j->members, 0, found);
+        return gp_members_views(log, &s->input.read, &j->members, found);
     gp_status st = GP_OK;
     for (int i = 0; i < j->n; i++) {
         struct stat info;

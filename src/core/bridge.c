@@ -99,8 +99,8 @@ const void *gp_bridge_open(const char *name, const char *entry, char *why,
 }
 
 /* Prints the line for bytes that cannot be shared, by errno. */
-static gp_status refuse_share(const struct gp_log *log, const char *path,
-                              size_t size)
+static gp_status shared_failed(const struct gp_log *log, const char *path,
+                               size_t size)
 {
     if (errno == ENOMEM)
         return gp_no_memory(log, path);
@@ -124,7 +124,7 @@ gp_status gp_shared_make(const struct gp_log *log, const char *path,
         *out = s;
         return GP_OK;
     }
-    const gp_status st = refuse_share(log, path, size);
+    const gp_status st = shared_failed(log, path, size);
     if (s.fd >= 0)
         close(s.fd);
     return st;

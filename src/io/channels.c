@@ -83,12 +83,6 @@ static bool named_like_ids(const char *name)
 
 /* -- depth by name -------------------------------------------------------- */
 
-bool gp_is_mist(const char *layer, size_t len)
-{
-    const size_t start = gp_last_part(layer, len);
-    return len - start == 4 && strncasecmp(layer + start, "mist", 4) == 0;
-}
-
 /* True for a layer whose name, after its last dot, is one of `n`: words in any
  * case, letters as they are. */
 static bool is_called(const char *layer, size_t len, const char *const *name,
@@ -102,6 +96,11 @@ static bool is_called(const char *layer, size_t len, const char *const *name,
             return true;
     }
     return false;
+}
+
+bool gp_is_mist(const char *layer, size_t len)
+{
+    return is_called(layer, len, (const char *const[]) {"mist"}, 1);
 }
 
 static bool is_vector(const char *layer, size_t len)
@@ -193,16 +192,17 @@ enum { RANKS = 5 };
 static int depth_rank(const struct gp_channel *channel, int channels,
                       const char *name, size_t skip)
 {
-    static const char *const exact[] = {"Z", "depth.Z", "Depth.Z"};
+    static const char *const names[RANKS] = {"Z", "depth.Z", "Depth.Z",
+                                             ".Depth.Z", ".Z"};
     const char *const own = name + skip;
     const size_t n = strlen(own);
-    int rank = RANKS;
-    for (int i = 0; i < 3 && rank == RANKS; i++)
-        rank = strcmp(own, exact[i]) == 0 ? i : RANKS;
-    if (n > 8 && strcmp(own + n - 8, ".Depth.Z") == 0)
-        rank = 3;
-    else if (rank == RANKS && n > 2 && strcmp(own + n - 2, ".Z") == 0)
-        rank = 4;
+    int rank = 0;
+    for (; rank < RANKS; rank++) { // the last two are endings
+        const size_t k = strlen(names[rank]);
+        if ((rank < 3 ? n == k : n > k) &&
+            strcmp(own + n - k, names[rank]) == 0)
+            break;
+    }
     return (rank == 0 || rank == 4) && is_no_depth(channel, channels, name)
                ? RANKS : rank;
 }
@@ -386,11 +386,7 @@ char *gp_colour_name(const char *name, int c)
 
 int gp_find_alpha(const struct gp_frame *f)
 {
-    const char *colour = NULL;
-    for (int i = 0; i < f->channels && !colour; i++) {
-        if (f->channel[i].colour >= 0)
-            colour = f->channel[i].name;
-    }
+    const char *const colour = gp_frame_colour(f);
     if (!colour)
         return -1;
     const size_t layer = gp_layer_length(colour);

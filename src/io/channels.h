@@ -87,8 +87,7 @@ bool gp_is_light(const char *layer, size_t len);
 bool gp_channel_is_depth(const struct gp_frame *f, int channel);
 
 /* Adds a channel's name, as PART.NAME where `part` is not NULL, to a list with
- * commas, which starts as "". When it is full, ends it with "..." and returns
- * false. */
+ * commas, which starts as "". False: it is full and ends with "...". */
 enum { GP_CHANNEL_LIST = 1500 };
 bool gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
                          const char *name);

@@ -250,13 +250,11 @@ gp_status gp_window_check(const struct gp_log *log, const char *path,
     if (w >= 1 && h >= 1 && w <= INT_MAX / 4 && h <= INT_MAX / 4 &&
         w * h <= max_pixels)
         return GP_OK;
-    if (w < 1 || h < 1)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: the %s window is empty (%lld x %lld pixels); "
-                       "render the file again", path, which, (long long) w,
-                       (long long) h);
+    const bool empty = w < 1 || h < 1;
     return gp_fail(log, GP_ERR_DATA,
-                   "%s: the %s window is too large (%lld x %lld pixels, at "
-                   "most %lld); crop it, or raise --max-pixels", path, which,
-                   (long long) w, (long long) h, max_pixels);
+                   "%s: the %s window is %s (%lld x %lld pixels, at most "
+                   "%lld); %s", path, which, empty ? "empty" : "too large",
+                   (long long) w, (long long) h, max_pixels,
+                   empty ? "render the file again"
+                         : "crop it, or raise --max-pixels");
 }

@@ -41,7 +41,7 @@ void gp_decoded_channel(const struct gp_decoded *image, int channel,
  *   layer  as in gp_read_params
  *   out    written only on GP_OK
  *
- * Errors: GP_ERR_USAGE no such layer; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_USAGE no such layer. */
 GP_MUST_CHECK gp_status gp_decoded_frame(const struct gp_log *log,
     const char *layer, const struct gp_decoded *image, struct gp_frame *out);
 

@@ -330,8 +330,6 @@ static const char *hint(int error)
     case EPERM:
     case EROFS:
         return "check the permissions or write to another place";
-    case ENAMETOOLONG:
-        return "use a shorter name";
     default:
         return "check the name and the place";
     }
@@ -384,18 +382,15 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
     char *folder = folder_of(path);
     if (!folder)
         return gp_no_memory(log, path);
-    if (stat(folder, &s) && errno == ENOENT && create_dir)
-        st = GP_OK; // it will be made
-    else if (stat(folder, &s))
+    int error = stat(folder, &s) ? errno : S_ISDIR(s.st_mode) ? 0 : ENOTDIR;
+    if (!error && access(folder, W_OK | X_OK))
+        error = errno;
+    if (error && !(error == ENOENT && create_dir)) // it will be made
         st = gp_fail(log, GP_ERR_IO,
                      "%s: cannot be written (folder %s: %s); %s", path,
-                     folder, strerror(errno),
-                     errno == ENOENT ? "make the folder or give --create-dir"
-                                     : hint(errno));
-    else if (!S_ISDIR(s.st_mode))
-        st = cannot_write(log, path, ENOTDIR);
-    else if (access(folder, W_OK | X_OK))
-        st = cannot_write(log, path, errno);
+                     folder, strerror(error),
+                     error == ENOENT ? "make the folder or give --create-dir"
+                                     : hint(error));
     gp_free(folder);
     return st;
 }

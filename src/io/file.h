@@ -36,8 +36,7 @@ static inline bool gp_is_dash(const char *path)
  *   out         written only on GP_OK; ends with gp_file_commit() or
  *               gp_file_discard()
  *
- * Errors: GP_ERR_IO no such folder, a folder of that name, not writable;
- * GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_IO no such folder, a folder of that name, not writable. */
 GP_MUST_CHECK gp_status gp_file_open(const struct gp_log *log, const char *path,
                                      bool create_dir, struct gp_file **out);
 
@@ -69,8 +68,7 @@ void gp_file_discard(struct gp_file **f);
  *
  *   out      descriptor; close() it
  *   created  the file's own name where there was none, gp_free() it; else NULL
- *
- * Errors: those of gp_file_open(). */
+ */
 GP_MUST_CHECK gp_status gp_file_open_lines(const struct gp_log *log,
     const char *path, bool create_dir, int *out, char **created);
 
@@ -89,16 +87,14 @@ bool gp_file_exists(const char *path);
 
 /* -- names ----------------------------------------------------------------- */
 
-/* Returns the descriptor that a name stands for: 1 for "-" and /dev/stdout, 2
- * for /dev/stderr, N for /dev/fd/N, and for N in any folder of /proc that lists
- * the descriptors of this process or of a thread of it; the same for links to
- * these. -1 for other names. It is written where it is, after what is there,
- * and never opened again: that would begin at the file's start. */
+/* Returns the descriptor that a name stands for, or leads to: 1 for "-" and
+ * /dev/stdout, N for /dev/fd/N and for N in /proc's lists of this process and
+ * its threads; -1 for other names. It is written where it is, after what is
+ * there, and never opened again: that would begin at the file's start. */
 int gp_file_descriptor(const char *path);
 
 /* True for targets that are written to directly: "-", pipes, devices and
- * sockets that exist, and all names in /dev/fd, /dev/std* and /proc, and links
- * to these, whatever they stand for. */
+ * sockets that exist, and names in /proc, also by links. */
 bool gp_file_is_straight(const char *path);
 
 /* Returns the path with links of its last component followed, also to a file
@@ -107,8 +103,7 @@ bool gp_file_is_straight(const char *path);
 char *gp_file_resolve(const char *path);
 
 /* Copies the ending of the name, in lower case and without its dot, to a buffer
- * of `room` bytes; "" when there is none or it does not fit. The name ".exr" is
- * a hidden file without an ending. */
+ * of `room` bytes; "" when there is none (".exr" is hidden) or no room. */
 void gp_file_ending(const char *path, char *ending, int room);
 
 /* -- signals --------------------------------------------------------------- */

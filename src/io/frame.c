@@ -47,6 +47,14 @@ const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
     return NULL;
 }
 
+const char *gp_frame_colour(const struct gp_frame *f)
+{
+    int i = 0;
+    while (i < f->channels && f->channel[i].colour < 0)
+        i++;
+    return i < f->channels ? f->channel[i].name : NULL;
+}
+
 // -- attributes ---------------------------------------------------------------
 
 /* The numbers of an attribute; how many, 0 where it has none. */

@@ -97,6 +97,9 @@ void gp_frame_free(struct gp_frame *f);
 const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
                                           const char *name);
 
+/* The first channel of the colour, or NULL. */
+const char *gp_frame_colour(const struct gp_frame *f);
+
 /* -- attributes of an EXR ------------------------------------------------- */
 
 /* Reads `n` numbers of an attribute of the frame's colour part, else of the

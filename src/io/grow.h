@@ -35,7 +35,7 @@ struct gp_rect gp_grow_align(const struct gp_frame *f, struct gp_rect window);
  * coverage too. Channels that are depth by their names (channels.h) get the
  * empty value that most of their own samples have, or, where they have none,
  * the farthest.
- * On failure f may only be freed. Errors: GP_ERR_BUG out of memory. */
+ * On failure f may only be freed. */
 GP_MUST_CHECK gp_status gp_grow(const struct gp_log *log,
     const struct gp_grow_params *p, struct gp_rect window, struct gp_frame *f);
 

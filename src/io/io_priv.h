@@ -1,4 +1,4 @@
-/* Shared by the files of io: readers, writers, quantizers, planes by name. */
+/* Shared by the files of io: readers, writers, pictures of frames. */
 #ifndef GP_IO_IO_PRIV_H
 #define GP_IO_IO_PRIV_H
 
@@ -19,18 +19,19 @@
 enum { GP_FIRST_BYTES = 18 }; // checked for magic: Targa's header
 
 /* Returns the name of the format that begins with these n bytes: "PNG", but
- * also, for messages, "gzip" or "web page". NULL for unknown bytes. Targa has
- * no magic: all fields of its header must agree. */
+ * also, for messages, "gzip" or "web page". NULL for unknown bytes. */
 const char *gp_format_name(const uint8_t *first, size_t n);
+
+/* Reads the only picture of a file, as gp_read_image() does. */
+typedef gp_status gp_picture_reader(const struct gp_log *log, const char *path,
+    const struct gp_stream *stream, long long max_pixels,
+    struct gp_decoded *out);
 
 /* A format that is read. */
 struct gp_reader {
     const char *format; // by gp_format_name()
     const char *oiio;   // OpenImageIO's name of its reader, or:
-    // opens a picture as gp_png_open() does
-    gp_status (*open)(const struct gp_log *log, const char *path,
-                      const struct gp_stream *stream, int part,
-                      long long max_pixels, struct gp_decoded *out);
+    gp_picture_reader *open;
     // sets *length to the bytes of the image that `data` begins with; leaves it
     // when they are unknown; fails, without a line, only when memory is full.
     // NULL: the image must be the only one of a stream
@@ -38,24 +39,22 @@ struct gp_reader {
 };
 extern const struct gp_reader gp_readers[]; // EXR first; ends with {0}
 
-/* Opens `path` or stdin, checks its first bytes and, when they are those of a
- * format that is read, reads a pipe to its end.
+/* Opens `path` or stdin, checks its first bytes and reads a pipe to its end:
+ * of 16 bytes for each of max_pixels, and 64 MiB, at most.
  *
  *   stream  empty on failure; else the caller's to close
  *   exr     written on GP_OK: true for EXR
  *
- * Errors: those of gp_stream_open() and gp_stream_fill(), whose limit is 16
- * bytes for each of max_pixels, and 64 MiB; GP_ERR_DATA the name says EXR and
- * the bytes do not, or a pipe begins like no image. */
+ * Errors: those of gp_stream_open() and gp_stream_fill(); GP_ERR_DATA no format
+ * that is read, or none of EXR under the name of one. */
 GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stream *stream,
     bool *exr);
 
-/* Opens picture `part` of a stream of any format (of EXR, those with DWA); its
- * first bytes choose the reader. The stream stays the caller's and must live
- * until gp_decoded_close().
+/* Reads picture `part` of a stream of any format (of EXR, those with DWA); its
+ * first bytes choose the reader. The stream stays the caller's.
  * Errors: GP_ERR_IO no helper program; GP_ERR_DATA damaged, truncated, over
- * max_pixels, or no format that is read; GP_ERR_BUG out of memory. */
+ * max_pixels, no such part, or no format that is read. */
 GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
     const struct gp_stream *stream, int part, struct gp_decoded *out);
@@ -66,69 +65,42 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stream *stream,
     struct gp_frame *out);
 
-/* -- PNG ------------------------------------------------------------------- */
-
-/* Reads a PNG of any colour type, depth and interlacing.
- *
- *   part    must be 0: there is one picture
- *   out     written only on GP_OK. Channels Y, YA, RGB or RGBA: palettes and
- *           transparent colours are resolved, alpha is associated as
- *           OpenImageIO 2.4 does it, on codes: truncated c * a with an sRGB
- *           curve or none, c * a^g with a gamma of g. Samples of less than 8
- *           bits come as 8. colour_space is sRGB of a file with sRGB or
- *           without gAMA, else its gamma to two digits. Text chunks and the
- *           time are attributes; profiles, XMP and Exif are not looked at
- *
- * Errors: GP_ERR_DATA truncated, a chunk's checksum or data are wrong, also
- * after the pixels, over max_pixels; GP_ERR_IO cannot be read; GP_ERR_BUG out
- * of memory.
+/* A PNG of any colour type, depth and interlacing: channels Y, YA, RGB or RGBA.
+ * Palettes and transparent colours are resolved, less than 8 bits come as 8.
+ * Alpha is associated as OpenImageIO 2.4 does it, on codes: truncated c * a
+ * with an sRGB curve or none, c * a^g with a gamma of g. colour_space is sRGB
+ * of a file with sRGB or without gAMA, else its gamma to two digits. Text
+ * chunks and the time are attributes; profiles, XMP and Exif are not looked at.
  * Source: W3C PNG (third edition). */
-GP_MUST_CHECK gp_status gp_png_open(const struct gp_log *log, const char *path,
-                                    const struct gp_stream *stream, int part,
-                                    long long max_pixels, struct gp_decoded *out);
+gp_picture_reader gp_png_open, gp_pfm_open;
+GP_MUST_CHECK gp_status gp_pfm_length(const uint8_t *data, uint64_t size,
+                                      uint64_t *length);
 
-/* gp_write_picture() for PNG: RGB, or RGBA with GP_ALPHA_KEEP and an alpha
- * channel (picture.h says what alpha means where light has none).
+/* -- writing --------------------------------------------------------------- */
+
+/* gp_write_picture() for one format. */
+typedef gp_status gp_picture_writer(const struct gp_log *log,
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats);
+
+/* PNG: RGB, or RGBA with GP_ALPHA_KEEP and an alpha channel.
  *
  * Colour chunks: for BT.709 primaries cICP (BT.709, sRGB curve), sRGB, gAMA
  * and cHRM; for a scene-linear picture in other primaries gAMA, and cHRM with
  * these primaries unless they are imaginary; for an encoded picture cICP with
  * p->cicp where that is known, and the others too where that is sRGB. Pixels
  * that are not square get a pHYs chunk. */
-GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_write_stats *stats);
+gp_picture_writer gp_png_write;
 
-/* -- PFM ------------------------------------------------------------------- */
+/* PFM: values over black, not clamped. */
+gp_picture_writer gp_pfm_write;
 
-/* As gp_png_open(); writing, values over black that are not clamped. */
-GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
-                                    const struct gp_stream *stream, int part,
-                                    long long max_pixels, struct gp_decoded *out);
-GP_MUST_CHECK gp_status gp_pfm_length(const uint8_t *data, uint64_t size,
-                                      uint64_t *length);
-GP_MUST_CHECK gp_status gp_pfm_write(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_write_stats *stats);
-
-/* -- raw frames, as ffmpeg's rawvideo reads them --------------------------- */
-
-/* gp_write_picture() for frames that follow each other in one stream: the
- * display window's pixels, R, G, B, rows from the top, no padding.
- *
- *   p      raw and dither are used. Integers are the codes that a PNG of 8 or
- *          16 bits has; floats are the values as they are
- *   stats  raw is the size of the frames before, 0 x 0 at the first, and
- *          becomes this frame's
- *
- * Errors: those of gp_write_picture(); GP_ERR_DATA the size differs from that
- * of the frames before, which a stream without headers cannot declare. */
-GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_write_stats *stats);
+/* Frames that follow each other in one stream, as ffmpeg's rawvideo reads them:
+ * R, G, B over black, rows from the top, no padding; codes as a PNG of 8 or 16
+ * bits has them, or floats as they are. stats->raw is the size of the frames
+ * before; GP_ERR_DATA one of another size. */
+gp_picture_writer gp_raw_write;
 
 /* -- a frame's planes as a picture of its display window ------------------- */
 
@@ -149,9 +121,8 @@ struct gp_quantizer {
  *
  *   x, y  place of value[0] in the picture
  *
- * d is interleaved gradient noise: Jimenez, "Next Generation Post Processing
- * in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses, in fixed point,
- * so that its low bits count in wide pictures too. */
+ * d is interleaved gradient noise in fixed point: Jimenez, "Next Generation
+ * Post Processing in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses. */
 void gp_quantize(const struct gp_quantizer *q, const float *value, int x, int y,
                  uint16_t *code, size_t n);
 
@@ -172,17 +143,14 @@ struct gp_picture {
     struct gp_quantizer quantizer;
 };
 
-/* Prepares rows of `planes`.
+/* Prepares rows of `planes`: of four channels without GP_ALPHA_BLACK where
+ * alpha is beside the colour; codes of GP_PICTURE_ENCODED are without a curve.
  *
- *   p     depth_bits, dither and alpha are used. Without GP_ALPHA_BLACK, and
- *         with an alpha channel beside the colour, the picture has four
- *         channels
- *   kind  GP_PICTURE_ENCODED planes become codes without a curve
- *   out   empty on failure; free with gp_picture_free()
+ *   p    depth_bits, dither and alpha are used
+ *   out  empty on failure; free with gp_picture_free()
  *
  * Errors: GP_ERR_DATA an empty display window, or one of more than 2^40
- * pixels (those of files are bounded by --max-pixels when they are read);
- * GP_ERR_BUG out of memory. */
+ * pixels (those of files are bounded by --max-pixels when they are read). */
 GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
     const struct gp_planes *planes, enum gp_picture_kind kind,
@@ -190,10 +158,8 @@ GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
 void gp_picture_free(struct gp_picture *pic);
 
 /* Runs body(ctx, y, row) once for each row y of the picture, in parallel and in
- * any order. `row` is scratch of this call only, for gp_picture_codes() or
- * gp_picture_floats(); it starts with an earlier row's content. A body writes
- * nothing that another y reads and prints nothing. Errors: GP_ERR_BUG out of
- * memory; then no body has run. */
+ * any order. `row` is scratch for gp_picture_codes() and its like. A body
+ * writes nothing that another y reads and prints nothing. */
 typedef void (*gp_picture_body)(void *ctx, int y, struct gp_picture_row *row);
 GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
     const struct gp_picture *pic, gp_picture_body body, void *ctx);

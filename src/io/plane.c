@@ -80,11 +80,10 @@ static bool other_view(const char *a, const char *b)
     return a && b && strcmp(a, b) != 0;
 }
 
-/* Lists the parts of an EXR. First comes the one of the colour, where there is
- * one; then those of its view or of none; within these, when `depth`, those
- * called depth, as a part of a layer-per-part file has plain Z whatever its
- * layer; then those in the layer around the colour's (B.Depth for B.Combined);
- * deep ones last; then by number. */
+/* Lists the parts of an EXR: that of the colour, those of its view or of none;
+ * within these, when `depth`, those called depth, as a part of a layer-per-part
+ * file has plain Z whatever its layer; then those in the layer around the
+ * colour's (B.Depth for B.Combined); deep ones last. */
 static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
                           bool colour, bool depth, struct list *list)
 {
@@ -158,9 +157,7 @@ static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
                             bool depth, struct list *list)
 {
     gp_status st;
-    *list = (struct list) {.path = f->path};
-    for (int i = 0; i < f->channels && !list->colour; i++)
-        list->colour = f->channel[i].colour >= 0 ? f->channel[i].name : NULL;
+    *list = (struct list) {.path = f->path, .colour = gp_frame_colour(f)};
     if (gp_input_of(f)) {
         GP_TRY(list_exr(log, gp_input_of(f), true, depth, list));
         if (list->colour)
@@ -298,14 +295,9 @@ static void search_lone(const struct list *list, bool depth,
     *out = lone;
 }
 
-/* Finds a channel by its name, or PART.CHANNEL; by NULL the depth or A.
- *
- *   own_file  the file is given only for this plane: its only channel is taken
- *             (for depth A does not count), and finding none is an error
- *   out       written on GP_OK
- *
- * Errors: GP_ERR_USAGE no such channel; the line lists those that exist, in
- * the form that --depth takes; GP_ERR_DATA two of equal rank in one part. */
+/* Finds a channel by its name, or PART.CHANNEL; by NULL the depth or A. Of a
+ * file that is given only for this plane (`own_file`) the only channel is taken
+ * too, for depth beside A, and finding none is an error. */
 static gp_status pick(const struct gp_log *log,
                       const struct list *list, const char *name, bool depth,
                       bool own_file, struct place *out)

@@ -64,11 +64,9 @@ GP_MUST_CHECK gp_status gp_read_vectors(const struct gp_log *log,
 
 /* Finds that depth without reading it, to report it.
  *
- *   channel  its name in the form that `name` takes, owned by the caller
- *            (gp_free()); NULL when searching finds none
- *   type     its samples in the file; written with a channel
- *
- * Errors: as above, but for what cannot be decoded. */
+ *   channel  its name in the form that `name` takes, gp_free() it; NULL when
+ *            searching finds none
+ *   type     its samples in the file; written with a channel */
 GP_MUST_CHECK gp_status gp_name_depth(const struct gp_log *log,
     const struct gp_frame *f, const char *name, char **channel,
     enum gp_pixel_type *type);

@@ -221,17 +221,13 @@ static void close_input(struct gp_decoded *image)
 }
 
 gp_status gp_png_open(const struct gp_log *log, const char *path,
-                      const struct gp_stream *stream, int part,
-                      long long max_pixels, struct gp_decoded *out)
+                      const struct gp_stream *stream, long long max_pixels,
+                      struct gp_decoded *out)
 {
     static const char *const names[][4] = {
         {"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"},
     };
     struct png_input *in;
-    if (part > 0)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: has no part %d: a PNG is one picture; give part 0",
-                       path, part);
     gp_status st = gp_alloc_zero(log, path, 1, sizeof *in, &in);
     if (st)
         return st;

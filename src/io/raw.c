@@ -94,17 +94,13 @@ static gp_status read_rows(const struct gp_log *log, const char *path,
 }
 
 gp_status gp_pfm_open(const struct gp_log *log, const char *path,
-                      const struct gp_stream *stream, int part,
-                      long long max_pixels, struct gp_decoded *out)
+                      const struct gp_stream *stream, long long max_pixels,
+                      struct gp_decoded *out)
 {
     static const char *const grey[] = {"Y"}, *const rgb[] = {"R", "G", "B"};
     uint8_t first[HEADER_BYTES] = {0};
     struct header h;
     float *pixels;
-    if (part > 0)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: has no part %d: a PFM is one picture; give part 0",
-                       path, part);
     const int64_t n = gp_stream_read(stream, first, sizeof first, 0);
     if (n < 0)
         return gp_stream_failed(log, path);

@@ -12,6 +12,7 @@
 #include <limits.h>
 #include <png.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -42,15 +43,14 @@ static const struct {
     {"Cineon", "\xd7\x5f\x2a\x80", 4, 0},
     {"GIF", "GIF8", 4, 0},
     {"JPEG 2000", "\0\0\0\x0cjP", 6, 0},
-    {"JPEG 2000", "\xff\x4f\xff\x51", 4, 0},
     {"JPEG XL", "\0\0\0\x0cJXL", 7, 0},
     {"JPEG XL", "\xff\x0a", 2, 0},
     {"Photoshop", "8BPS", 4, 0},
+    {"Softimage PIC", "\x53\x80\xf6\x34", 4, 0},
     {"HEIF", "ftyphe", 6, 4},
     {"AVIF", "ftypavi", 7, 4},
     {"QuickTime or MP4 movie", "ftyp", 4, 4},
     {"Matroska or WebM movie", "\x1a\x45\xdf\xa3", 4, 0},
-    {"PDF", "%PDF", 4, 0},
     {"gzip", "\x1f\x8b", 2, 0},
     {"zip", "PK\x03\x04", 4, 0},
     {"web page", "<!DOC", 5, 0},
@@ -207,7 +207,10 @@ gp_status gp_read_image(const struct gp_log *log,
     const gp_status st = find_reader(log, path, stream, &r);
     if (st)
         return st;
-    return r->open ? r->open(log, path, stream, part, p->max_pixels, out)
+    if (r->open && part > 0)
+        return gp_fail(log, GP_ERR_DATA, "%s: has no part %d: a %s is one "
+                       "picture; give part 0", path, part, r->format);
+    return r->open ? r->open(log, path, stream, p->max_pixels, out)
                    : gp_oiio_open(log, path, stream, r->oiio, part,
                                   p->max_pixels, out);
 }
@@ -219,7 +222,7 @@ gp_status gp_read_stream(const struct gp_log *log,
     gp_status st;
     struct gp_decoded image = {0};
     const struct gp_reader *r;
-    int part = 0;
+    const char *const part = p->part ? p->part : "0";
     GP_TRY(find_reader(log, path, stream, &r));
     if (r == gp_readers)
         return gp_read_exr(log, p, path, stream, out);
@@ -227,14 +230,11 @@ gp_status gp_read_stream(const struct gp_log *log,
         GP_TRY(gp_fail(log, GP_ERR_USAGE,
                        "%s: has no view %.200s: only EXR has views; give the "
                        "file of that view", path, p->view));
-    for (const char *c = p->part; c && (*c || c == p->part); c++) {
-        if (*c < '0' || *c > '9' || part > 99999)
-            GP_TRY(gp_fail(log, GP_ERR_USAGE,
-                "%s: has no part %.200s: parts of formats other "
-                "than EXR have only numbers; give one from 0", path, p->part));
-        part = 10 * part + (*c - '0');
-    }
-    GP_TRY(gp_read_image(log, p, path, stream, part, &image));
+    if (!*part || strlen(part) > 6 || part[strspn(part, "0123456789")])
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: has no part %.200s: parts of "
+                       "formats other than EXR have only numbers; give one "
+                       "from 0", path, part));
+    GP_TRY(gp_read_image(log, p, path, stream, atoi(part), &image));
     if (!gp_rect_empty(image.display)) // else it is the data window
         GP_TRY(gp_window_check(log, path, "display", gp_rect_w(image.display),
                gp_rect_h(image.display), p->max_pixels));
@@ -264,9 +264,15 @@ static gp_status list_views(const struct gp_log *log,
     const char *view[GP_VIEWS_MAX];
     const int n = in ? gp_exr_views(p, in, view) : 0;
     *out = (struct gp_views) {0};
-    if (n < 0)
-        return gp_no_memory_bare(log, "view list");
-    return n > 1 ? gp_views_copy(log, view, n, out) : GP_OK;
+    bool full = n < 0;
+    for (int i = 0; n > 1 && i < n && !full; i++) {
+        out->name[i] = gp_strdup(view[i]);
+        full = !out->name[i];
+        out->n += !full;
+    }
+    if (full)
+        gp_views_free(out);
+    return full ? gp_no_memory_bare(log, "view list") : GP_OK;
 }
 
 gp_status gp_frame_views(const struct gp_log *log,
@@ -377,11 +383,10 @@ gp_status gp_members_frame(const struct gp_log *log,
 }
 
 gp_status gp_members_views(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_members *m, int i,
+    const struct gp_read_params *p, const struct gp_members *m,
     struct gp_views *out)
 {
-    struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
-                                         m->member[i].size);
+    struct gp_stream view = gp_stream_of(m->stream.data, m->member[0].size);
     return stream_views(log, p, "-", &view, out);
 }
 
@@ -390,13 +395,11 @@ gp_status gp_members_views(const struct gp_log *log,
 void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
 {
     const struct gp_input *const in = gp_input_of(f);
-    int i = 0;
+    const char *const colour = gp_frame_colour(f);
+    const char *const name = colour ? colour : "";
     *out = (struct gp_taken) {0};
     if (f->parts > 1)
         snprintf(out->part, sizeof out->part, "%d", f->part);
-    while (i < f->channels && f->channel[i].colour < 0)
-        i++;
-    const char *const name = i < f->channels ? f->channel[i].name : "";
     const size_t dot = gp_layer_length(name);
     if (in)
         gp_exr_taken(in, f->part, name, out);

@@ -26,8 +26,7 @@ struct gp_read_params {
 };
 #define GP_READ_DEFAULTS { .max_pixels = 1LL << 28 }
 
-/* The limits of `p` for another file than the frame: without layer, part and
- * view, which only the frame's files have. */
+/* The limits of `p` for another file than the frame. */
 static inline struct gp_read_params gp_read_limits(
     const struct gp_read_params *p)
 {
@@ -82,14 +81,12 @@ void gp_read_taken(const struct gp_frame *f, struct gp_taken *out);
 GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_frame *out);
 
-/* Another layer of the file that `f` was read from, without reading the file
- * again: what is in f's part comes from f's channels, the rest is decoded
- * from f's input.
+/* Another layer of the EXR that `f` was read from: what is in f's part comes
+ * from f's channels, the rest is decoded from f's input.
  *
  *   p      p->view narrows, else f's own view comes first; p->layer and
  *          p->part do not count
- *   f      read by gp_read_frame() or its like from an EXR; its rgb may have
- *          changed since
+ *   f      its rgb may have changed since
  *   layer  as p->layer there; NULL is the colour of p->view
  *   out    written only on GP_OK: windows, chromaticities, rgb and channels.
  *          A layer of f's part has its colour channels only; one of another
@@ -106,17 +103,13 @@ GP_MUST_CHECK gp_status gp_read_layer(const struct gp_log *log,
 
 /* Lists the views that an EXR names and that hold the colour which `p` asks
  * for; p->view does not count. First comes the view that gp_read_frame() takes
- * without p->view, then the others in the order of the file.
- *
- *   out  written only on GP_OK; `n` is 0 for a file that names fewer than two
- *        (the view need not be chosen) and for other formats; free with
- *        gp_views_free()
- *
+ * without p->view, then the others in the order of the file. None of a file
+ * that names fewer than two, and of other formats. Free with gp_views_free().
  * Errors: those of gp_read_frame() for a file that cannot be opened. */
 GP_MUST_CHECK gp_status gp_read_views(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_views *out);
 
-/* The same of a frame that was read. Errors: GP_ERR_BUG out of memory. */
+/* The same of a frame that was read. */
 GP_MUST_CHECK gp_status gp_frame_views(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f,
     struct gp_views *out);
@@ -148,11 +141,10 @@ struct gp_members {
  *   p     max_pixels bounds the bytes of the whole stream: 16 for each pixel,
  *         and 64 MiB
  *   path  "-", or a pipe
- *   out   written only on GP_OK; free with gp_members_free() after the last
- *         frame read from it is freed
+ *   out   written only on GP_OK; outlives the frames read from it
  *
- * Errors: those of gp_read_open(); GP_ERR_DATA bytes after an image that
- * begin no EXR, PNG or PFM; GP_ERR_BUG out of memory. */
+ * Errors: those of gp_read_frame(); GP_ERR_DATA bytes after an image that
+ * begin no EXR, PNG or PFM. */
 GP_MUST_CHECK gp_status gp_members_read(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_members *out);
 /* Frees what it owns and clears it; an empty or all-zero one is fine. */
@@ -166,16 +158,15 @@ GP_MUST_CHECK gp_status gp_members_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *name,
     const struct gp_members *m, int i, struct gp_frame *out);
 
-/* gp_read_views() for image `i` of [0, m->n). */
+/* gp_read_views() for the first image. */
 GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_members *m, int i,
+    const struct gp_read_params *p, const struct gp_members *m,
     struct gp_views *out);
 
 /* -- versions -------------------------------------------------------------- */
 
 /* Writes "OpenEXRCore 3.1.5, libpng 1.6.39, ..." into `line`: the versions that
- * this process runs with where the library has a call for it, else those it was
- * built with. Opens no library. */
+ * this process runs with where the library has a call for it. */
 void gp_io_versions(char *line, size_t size);
 
 // -- the alpha of a picture ---------------------------------------------------
@@ -187,7 +178,8 @@ struct gp_coverage {
 };
 enum { GP_COVERED = 65535 };
 
-/* Reads the alpha of a picture of any format, an EXR by glarepp-oiio.
+/* Reads the alpha of a picture of any format, an EXR by glarepp-oiio; samples
+ * are clamped to [0, 1], NaN is 0.
  *
  *   path   of the file; with `bytes` its name for messages
  *   bytes  the file's, n of them; NULL: `path` is opened, a regular file
@@ -195,7 +187,6 @@ enum { GP_COVERED = 65535 };
  *   out    written on GP_OK only; gp_free() its codes. Of a picture without
  *          alpha one pixel of GP_COVERED
  *
- * Samples outside [0, 1] are clamped, NaN is 0.
  * Errors: those of gp_read_frame(). */
 GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const void *bytes,
@@ -220,10 +211,8 @@ GP_MUST_CHECK gp_status gp_stored_open(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stored_file *f);
 void gp_stored_close(struct gp_stored_file *f);
 
-/* Reads part `part` of [0, f->parts).
- *   out  written only on GP_OK; free with gp_stored_image_free()
- * Errors: as gp_read_frame(), but for deep parts and parts without colour,
- * which are none; more samples than p->max_pixels are. */
+/* Reads part `part` of [0, f->parts), deep ones too; `out` is written only on
+ * GP_OK. Errors: as gp_read_frame(); more samples than p->max_pixels. */
 GP_MUST_CHECK gp_status gp_stored_read(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_stored_file *f, int part,
     struct gp_stored_image *out);

@@ -110,13 +110,17 @@ gp_status gp_pattern_of_input(const struct gp_log *log, const char *path,
     return access(path, F_OK) == 0 ? GP_OK : gp_pattern_find(log, path, out);
 }
 
-/* gp_pattern_name(); *at is where the number starts. */
+enum { NO_FRAME = INT_MIN };
+
+/* gp_pattern_name(), for NO_FRAME with the signs of the number; *at is where it
+ * starts. */
 static char *fill(const struct gp_pattern *p, int frame, const char *view,
                   size_t *at)
 {
     char number[24];
     const int digits = snprintf(number, sizeof number, "%0*d", p->digits,
                                 frame);
+    const bool numbered = frame != NO_FRAME;
     const size_t views = view ? (size_t) p->views : 0;
     char *const name = malloc(strlen(p->path) + sizeof number +
                               (views ? views * strlen(view) : 0));
@@ -124,12 +128,12 @@ static char *fill(const struct gp_pattern *p, int frame, const char *view,
     for (const char *s = p->path; name && *s;) {
         const bool place = p->len && s == p->path + p->at;
         const size_t token = views && !place ? view_token(s) : 0;
-        const size_t n = place    ? (size_t) digits
+        const size_t n = place    ? numbered ? (size_t) digits : p->len
                          : !token ? 1
                          : s[1] == 'V' ? strlen(view) : letter_bytes(view);
         if (place)
             *at = (size_t) (to - name);
-        memcpy(to, place ? number : token ? view : s, n);
+        memcpy(to, place && numbered ? number : token ? view : s, n);
         to += n;
         s += place ? p->len : token ? token : 1;
     }
@@ -165,42 +169,35 @@ static bool add_frame(struct gp_frames *f, int number)
     return true;
 }
 
-enum { REPEAT = INT_MIN }; // no frame's number
-
-struct place {
-    int number, at;
-};
-
-/* Orders by number, equal ones as they came. */
-static int by_number(const void *a, const void *b)
+static int by_key(const void *a, const void *b)
 {
-    const struct place *const p = a, *const q = b;
-    return p->number != q->number ? (p->number > q->number ? 1 : -1)
-                                  : p->at - q->at;
+    const int64_t x = *(const int64_t *) a, y = *(const int64_t *) b;
+    return (x > y) - (x < y);
 }
 
 /* Keeps the first of equal numbers, in the order they came. */
 static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
-    struct place *place;
+    enum { PLACES = 1 << 20 }; // over GP_FRAME_LIST_MAX
+    int64_t *key; // a number and its place
     const int n = f->n;
-    gp_status st = gp_alloc(log, "frame list", (size_t) n, sizeof *place,
-                            &place);
+    const gp_status st = gp_alloc(log, "frame list", (size_t) n, sizeof *key,
+                                  &key);
     if (st)
         return st;
     for (int i = 0; i < n; i++)
-        place[i] = (struct place) {f->number[i], i};
-    qsort(place, (size_t) n, sizeof *place, by_number);
-    for (int i = n - 1; i > 0; i--) {
-        if (place[i].number == place[i - 1].number)
-            f->number[place[i].at] = REPEAT;
+        key[i] = (int64_t) f->number[i] * PLACES + i;
+    qsort(key, (size_t) n, sizeof *key, by_key);
+    for (int i = 1; i < n; i++) {
+        if (key[i] >> 20 == key[i - 1] >> 20)
+            f->number[key[i] & (PLACES - 1)] = NO_FRAME;
     }
     f->n = 0;
     for (int i = 0; i < n; i++) {
-        if (f->number[i] != REPEAT)
+        if (f->number[i] != NO_FRAME)
             f->number[f->n++] = f->number[i];
     }
-    gp_free(place);
+    gp_free(key);
     return GP_OK;
 }
 
@@ -292,7 +289,7 @@ gp_status gp_frames_on_disk(const struct gp_log *log,
     gp_status st;
     struct gp_frames f = {0};
     size_t at = 0;
-    char *const path = fill(p, 0, view, &at);
+    char *const path = fill(p, NO_FRAME, view, &at);
     const size_t start = path ? name_at(path) : 0;
     char *const name = start ? strndup(path, start) : gp_strdup(".");
     DIR *const folder = path && name ? opendir(name) : NULL;
@@ -304,7 +301,7 @@ gp_status gp_frames_on_disk(const struct gp_log *log,
                        "%s: cannot list the folder (%s); check the path",
                        path, strerror(reason)));
     const size_t head = at - start;
-    const char *const tail = path + at + p->digits;
+    const char *const tail = path + at + p->len;
     for (const struct dirent *e; (e = readdir(folder));) {
         int n = 0, number = 0;
         if (strncmp(e->d_name, path + start, head) != 0)
@@ -399,21 +396,6 @@ gp_status gp_views_parse(const struct gp_log *log, const char *text,
 out:
     gp_views_free(&v);
     return st;
-}
-
-gp_status gp_views_copy(const struct gp_log *log, const char *const *name,
-                        int n, struct gp_views *out)
-{
-    struct gp_views v = {0};
-    for (; v.n < n; v.n++) {
-        v.name[v.n] = gp_strdup(name[v.n]);
-        if (!v.name[v.n]) {
-            gp_views_free(&v);
-            return gp_no_memory_bare(log, "view list");
-        }
-    }
-    *out = v;
-    return GP_OK;
 }
 
 gp_status gp_views_check(const struct gp_log *log, const struct gp_pattern *p,

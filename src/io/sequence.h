@@ -44,10 +44,8 @@ struct gp_views {
     int n;
 };
 
-/* Finds the places of number and views in `path`. A path without any is no
- * error: out->len and out->views are 0.
- * Errors: GP_ERR_USAGE two frame numbers, or more than GP_FRAME_DIGITS digits.
- */
+/* Finds the places of number and views in `path`, if any.
+ * Errors: GP_ERR_USAGE two frame numbers, or over GP_FRAME_DIGITS digits. */
 GP_MUST_CHECK gp_status gp_pattern_find(const struct gp_log *log,
     const char *path, struct gp_pattern *out);
 
@@ -71,12 +69,10 @@ GP_MUST_CHECK gp_status gp_frames_on_disk(const struct gp_log *log,
 
 /* Reads a list of items separated by commas: N, A-B, A-BxSTEP, or
  * A-B:STEP as Open Job Description writes it (template schemas of 2023-09,
- * section 3.4.1.1.1), where a STEP < 0 counts down as well. Spaces and tabs may
- * stand around each number.
- * A-B counts down when B < A. Numbers may be negative. A frame that comes
- * again is dropped.
- * Errors: GP_ERR_USAGE a wrong item, or more than GP_FRAME_LIST_MAX frames.
- */
+ * section 3.4.1.1.1), where a STEP < 0 counts down as well, and so does B < A.
+ * Spaces and tabs may stand around each number, numbers may be negative. A
+ * frame that comes again is dropped.
+ * Errors: GP_ERR_USAGE a wrong item, or more than GP_FRAME_LIST_MAX frames. */
 GP_MUST_CHECK gp_status gp_frames_parse(const struct gp_log *log,
     const char *text, struct gp_frames *out);
 void gp_frames_free(struct gp_frames *f);
@@ -88,14 +84,10 @@ bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more);
 /* Reads a list of views: names, separated by commas.
  *   out  written only on GP_OK; free with gp_views_free()
  * Errors: GP_ERR_USAGE a name that is empty, comes twice or has a slash; more
- * than GP_VIEWS_MAX. GP_ERR_BUG out of memory. */
+ * than GP_VIEWS_MAX. */
 GP_MUST_CHECK gp_status gp_views_parse(const struct gp_log *log,
                                        const char *text, struct gp_views *out);
 
-/* Copies a list of `n` names, at most GP_VIEWS_MAX of them, as they are.
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_views_copy(const struct gp_log *log,
-    const char *const *name, int n, struct gp_views *out);
 void gp_views_free(struct gp_views *v);
 
 /* Checks a pattern for these views.

@@ -25,11 +25,14 @@ static void close_fd(struct gp_stream *s)
     s->more = false;
 }
 
-/* Reads on until `size` bytes are there or the pipe ends. */
+/* Makes room for `size` bytes and reads them, or until the pipe ends. */
 static gp_status read_until(const struct gp_log *log, const char *path,
                             uint64_t size, struct gp_stream *s)
 {
-    while (s->more && s->size < size) {
+    void *block = s->data;
+    const gp_status st = gp_resize(log, "input", size, &block);
+    s->data = block;
+    while (!st && s->more && s->size < size) {
         const ssize_t got = read(s->fd, s->data + s->size, size - s->size);
         if (got < 0 && errno == EINTR)
             continue;
@@ -39,15 +42,6 @@ static gp_status read_until(const struct gp_log *log, const char *path,
             close_fd(s);
         s->size += (uint64_t) got;
     }
-    return GP_OK;
-}
-
-static gp_status grow_to(const struct gp_log *log, uint64_t room,
-                         struct gp_stream *s)
-{
-    void *block = s->data;
-    const gp_status st = gp_resize(log, "input", room, &block);
-    s->data = block;
     return st;
 }
 
@@ -60,9 +54,7 @@ gp_status gp_stream_fill(const struct gp_log *log, const char *path,
         uint64_t room = s->size + s->size / 4 + BLOCK;
         if (room > limit)
             room = limit + 1;
-        st = grow_to(log, room, s);
-        if (!st)
-            st = read_until(log, path, room, s);
+        st = read_until(log, path, room, s);
     }
     if (!st && s->more)
         st = gp_fail(log, GP_ERR_DATA,
@@ -107,9 +99,7 @@ gp_status gp_stream_open(const struct gp_log *log, const char *path,
         s->size = (uint64_t) info.st_size;
     } else { // also a redirected stdin, whose offset may not be 0
         s->more = true;
-        st = grow_to(log, first, s);
-        if (!st)
-            st = read_until(log, path, first, s);
+        st = read_until(log, path, first, s);
     }
     return check_size(log, path, s, st);
 }

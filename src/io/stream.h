@@ -35,13 +35,11 @@ static inline struct gp_stream gp_stream_of(const void *data, uint64_t size)
  *   s      written always; empty on failure; s->more: gp_stream_fill() is
  *          still to come
  *
- * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty;
- * GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty. */
 GP_MUST_CHECK gp_status gp_stream_open(const struct gp_log *log,
     const char *path, uint64_t first, struct gp_stream *s);
 
 /* Opens a file that another file names: a regular one, "-" is a name too.
- *   s  as above
  * Errors: those of gp_open_regular(); GP_ERR_DATA empty. */
 GP_MUST_CHECK gp_status gp_stream_open_regular(const struct gp_log *log,
     const char *path, struct gp_stream *s);
@@ -53,8 +51,7 @@ GP_MUST_CHECK gp_status gp_stream_open_regular(const struct gp_log *log,
  *   limit  most bytes to take, >= what was read before
  *   s      empty on failure
  *
- * Errors: GP_ERR_IO cannot read; GP_ERR_DATA it gives more than `limit`;
- * GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_IO cannot read; GP_ERR_DATA it gives more than `limit`. */
 GP_MUST_CHECK gp_status gp_stream_fill(const struct gp_log *log,
     const char *path, uint64_t limit, struct gp_stream *s);
 

@@ -13,12 +13,7 @@
 
 // -- formats ------------------------------------------------------------------
 
-/* gp_write_picture() for one format. */
-typedef gp_status write_picture(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_write_stats *stats);
-static write_picture write_by_helper;
+static gp_picture_writer write_by_helper;
 
 /* The endings that are written, what their formats hold, and how their readers
  * take a fourth channel: BLACK where there is none. Raw frames go to streams
@@ -30,7 +25,7 @@ static write_picture write_by_helper;
  * black. */
 static const struct format {
     const char *ending[7]; // NULL ends
-    write_picture *write;
+    gp_picture_writer *write;
     int bits;      // most bits of an integer sample; 0 holds none
     bool floats;
     enum gp_alpha alpha;
@@ -72,7 +67,7 @@ static struct target target_of(const struct gp_write_params *p,
         GP_STDOUT_LIST(X)
 #undef X
     };
-    struct target t = {0};
+    struct target t = {.format = NULL};
     gp_file_ending(path, t.ending, ENDING_BYTES);
     t.straight = !t.ending[0] && gp_file_is_straight(path);
     if (t.straight)
@@ -93,23 +88,12 @@ static bool is_tiff(const struct format *t)
     return t->floats && t->bits > 0;
 }
 
-/* OpenImageIO's names of the compressions that TIFF has as well; NULL for
- * those that it has not. */
+/* OpenImageIO's name of a compression that TIFF has as well, else NULL. */
 static const char *tiff_compression(enum gp_compression c)
 {
-    switch (c) {
-    case GP_COMPRESSION_AUTO:
-        return "";
-    case GP_COMPRESSION_NONE:
-        return "none";
-    case GP_COMPRESSION_RLE:
-        return "packbits";
-    case GP_COMPRESSION_ZIPS:
-    case GP_COMPRESSION_ZIP:
-        return "zip";
-    default:
-        return NULL;
-    }
+    static const char *const names[] = {"", "none", "packbits", "zip", "zip"};
+    const int i = c - GP_COMPRESSION_AUTO;
+    return i <= GP_COMPRESSION_ZIP - GP_COMPRESSION_AUTO ? names[i] : NULL;
 }
 
 /* Checks that the format takes these params. The line for no format lists the

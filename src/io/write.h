@@ -124,8 +124,6 @@ enum gp_picture_kind {
  * version as glarepp:version: string attributes, or text chunks. Those of the
  * input are never carried.
  *
- * Files are written as PATH's folder/.NAME.PID.tmp and renamed; on any error
- * neither name is there, and a file that was there stays whole.
  * Errors: GP_ERR_IO with the system's reason; GP_ERR_USAGE unknown ending,
  * or a compression that the format lacks. */
 GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
@@ -133,9 +131,7 @@ GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
-/* A frame, and the new planes of its colour channels (w * h of its data
- * window).
- */
+/* A frame, and the new planes of its colour channels (w * h of its data). */
 struct gp_hdr_colour {
     const struct gp_frame *f;
     const struct gp_planes *planes;
@@ -191,8 +187,7 @@ bool gp_write_has_alpha(const struct gp_write_params *p, const char *path);
  * writing functions skip it and return GP_OK. */
 bool gp_write_would_overwrite(const struct gp_write_params *p, const char *path);
 
-/* Checks before any frame is read that `path` could be written with these
- * params: folder exists (or create_dir), ending known. Same errors. */
+/* Checks before any frame is read that `path` could be written. Same errors. */
 GP_MUST_CHECK gp_status gp_write_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *path);
 

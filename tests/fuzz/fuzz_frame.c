@@ -1,5 +1,6 @@
 /* A frame from memory: read, look for its depth and coverage, find its light,
- * write it again. */
+ * make it a kernel (the last byte says how), write it again. */
+#include "glare/kernel.h"
 #include "glare/sensors.h"
 #include "harness.h"
 #include "io/plane.h"
@@ -59,6 +60,22 @@ static void sense(struct gp_image *f)
         gp_sources_free(&sources);
 }
 
+static void make_kernel(const struct gp_image *f, uint8_t choice)
+{
+    struct gp_kernel k;
+    struct gp_kernel_params p = {0};
+    p.centered = choice & 1;
+    p.center[0] = f->data.x0 + (choice >> 4) - 2.0;
+    p.center[1] = f->data.y1 - 0.5;
+    p.normalize = choice & 2 ? GP_NORMALIZE_NONE : p.normalize;
+    p.rotate = choice & 4 ? 30.0f : choice & 8 ? -90.0f : 0.0f;
+    if (fuzz_line(gp_kernel_from_frame(&fuzz_log, &p, f, &k)))
+        return;
+    for (int c = 0; c < 3; c++)
+        fuzz_touch(k.k.c[c], (size_t) k.w * (size_t) k.h * sizeof(float));
+    gp_kernel_free(&k);
+}
+
 /* The layer of a channel, read beside the frame and written with it. */
 static void look_at_layer(const struct gp_read_params *p,
                           const struct gp_frame *f, const char *channel)
@@ -85,6 +102,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         touch_frame(&f);
         look_at_planes(&p, &f);
         struct gp_image v = view_of(&f);
+        make_kernel(&v, data[size - 1]);
         sense(&v);
         write_again(&(struct gp_hdr_colour) {&f, &f.rgb}, 1);
         for (int i = 0; i < f.channels && i < 3; i++)

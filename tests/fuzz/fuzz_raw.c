@@ -1,8 +1,8 @@
-/* Every part of a file as `compare` reads it, and each compared with the part
- * before and with itself. */
+/* A file from disk: each part as `compare` reads it, compared with the part
+ * before and with itself; and as one of depth or coverage. */
 #include "compare/compare.h"
 #include "harness.h"
-#include "io/read.h"
+#include "io/plane.h"
 
 #include <stdlib.h>
 
@@ -49,6 +49,18 @@ static void compare(const struct gp_stored_image *a, const struct gp_stored_imag
     free(list);
 }
 
+static void read_plane(const char *path, const char *name, bool depth)
+{
+    const struct gp_read_params p = {.max_pixels = FUZZ_PIXELS};
+    struct gp_plane plane = {0};
+    if (fuzz_line(gp_read_plane_file(&fuzz_log, &p, path, name, depth,
+                                     &plane)))
+        return;
+    fuzz_touch(plane.v, (size_t) gp_rect_w(plane.window) *
+                            (size_t) gp_rect_h(plane.window) * sizeof(float));
+    gp_plane_free(&plane);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     enum { MOST = 4 }; // parts of one input
@@ -74,8 +86,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         gp_stored_image_free(&image[0]);
         gp_stored_image_free(&image[1]);
     }
-    if (path)
+    if (path) {
         gp_stored_close(&f);
+        read_plane(path, NULL, true);
+        read_plane(path, NULL, false);
+        read_plane(path, "part.Z", true);
+    }
     fuzz_end(fuzz_allowed(data, size) * 3 - 2 * (uint64_t) FUZZ_FIXED);
     fuzz_file_close();
     return 0;

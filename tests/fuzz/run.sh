@@ -35,7 +35,7 @@ run_target()
         export GLAREPP_BRIDGES=${GLAREPP_BRIDGES:-$build/..}
         set -- -timeout=120
         ;;
-    frame | plane | kernel | raw | members)
+    frame | raw | members)
         [ ! -d "$data/damaged" ] || folders="$folders $data/damaged"
         [ -f "$dict" ] || dict=$root/tests/fuzz/dict/exr
         ;;

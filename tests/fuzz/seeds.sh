@@ -9,7 +9,7 @@ case $1 in /*) glarepp=$1 ;; *) glarepp=$PWD/$1 ;; esac
 exr=$PWD/tests/cli/exr.py gltf=$PWD/tests/fuzz/seeds_gltf.py
 mkdir -p "$2"
 cd "$2"
-mkdir -p frame plane kernel members raw options frames json gltf other scratch
+mkdir -p frame members raw options frames json gltf other scratch
 /usr/bin/python3 "$gltf" gltf
 
 # frame NAME [key=value...]: what exr.py makes, written again by the program
@@ -35,12 +35,8 @@ frame part zips float size=5x4 part=depth:Z:float part=more:mask:half
 frame attributes none half size=2x2 attr=note:string:text attr=fps:float:24 \
     attr=worldToNDC:m44f:1,0,0,0,0,1,0,0,0,0,1,1,0,0,0,0
 
-cp frame/*.exr plane
 cp frame/*.exr raw
-for k in zip none-float pxr24-float grey pixel; do
-    cp frame/$k.exr kernel
-done
-cp scratch/kernel.exr kernel
+cp scratch/kernel.exr frame
 
 for f in png pfm; do
     "$glarepp" -q --engine direct -k scratch/kernel.exr -o scratch/a.$f \

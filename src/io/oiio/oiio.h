@@ -33,8 +33,7 @@
  *   out  written only on GP_OK
  *
  * Errors: GP_ERR_IO there is no helper; GP_ERR_DATA damaged, truncated, over
- * max_pixels, no format that is read, or the helper did not survive it;
- * GP_ERR_BUG out of memory. */
+ * max_pixels, no format that is read, or the helper did not survive it. */
 GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
     const struct gp_stream *stream, const char *reader, int part,
     long long max_pixels, struct gp_decoded *out);
@@ -55,18 +54,17 @@ GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
  *                failure
  *
  * A fourth channel is alpha: associated in float types, not associated in
- * integer ones. OpenImageIO does not report a full disk in every format, and
- * has no temporary names: the bytes go on to where they belong like all others.
+ * integer ones. OpenImageIO does not report a full disk in every format, so the
+ * bytes go on to where they belong like all others.
  *
- * Errors: GP_ERR_IO no helper, or OpenImageIO refuses or fails; GP_ERR_BUG out
- * of memory. */
+ * Errors: GP_ERR_IO no helper, or OpenImageIO refuses or fails. */
 GP_MUST_CHECK gp_status gp_oiio_write(const struct gp_log *log,
     const struct gp_decoded *image, const int *types,
     const struct gp_shared *pixels, const char *ending, const char *type,
     const char *compression, struct gp_stream *out);
 
-/* Starts a helper where none runs, so that a run that cannot write fails before
- * its first frame. Errors: GP_ERR_IO. */
+/* Starts the helper, so that a run that cannot write fails before its first
+ * frame. Errors: GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
                                       const char *path);
 

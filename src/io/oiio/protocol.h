@@ -69,25 +69,4 @@ struct gp_oiio_reply {
     struct gp_oiio_spec spec;
 };
 
-#ifdef __cplusplus
-/* Inside the helper. All of these throw. */
-#include <string>
-
-namespace helper {
-
-void limit_memory(std::uint64_t bytes);          // helper.cpp
-
-// helper_read.cpp; takes over `fd`
-void open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
-               std::string &text);
-void read_pixels(float *to);
-void close_file();
-
-// helper_write.cpp; `fd` stays the caller's
-void write_file(int fd, const gp_oiio_ask &ask, const std::string &text,
-                const void *pixels);
-
-} // namespace helper
-#endif
-
 #endif

@@ -7,47 +7,7 @@
 #include "io/decoded.h"
 #include "io/io_priv.h"
 #include "exr_fixture.h"
-#include "fail.h"
 #include "reading.h"
-
-static int origins;
-
-static void free_origin(void *origin)
-{
-    assert_ptr_equal(origin, &origins);
-    origins++;
-}
-
-static void frames_own_what_they_hold(void **state)
-{
-    static const char *const names[] = {"R", "Z", "depth.Z"};
-    static const char *const absent[] = {"z", "", "depth", "depth.Z2"};
-    const long blocks = fail_blocks();
-    struct gp_frame f = {0};
-    gp_frame_free(&f); // an empty one
-    assert_null(gp_frame_channel(&f, "Z"));
-    assert_ok(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
-                                   &f.channel));
-    f.channels = 3;
-    for (int i = 0; i < 3; i++)
-        f.channel[i].name = gp_strdup(names[i]);
-    assert_ok(gp_alloc(NULL, "Z", 4, 4, &f.channel[1].data));
-    assert_ok(gp_planes_make(NULL, "rgb", 4, &f.rgb));
-    f.path = gp_strdup("a.exr");
-    f.input = &origins;
-    f.input_free = free_origin;
-    for (int i = 0; i < 3; i++)
-        assert_ptr_equal(gp_frame_channel(&f, names[i]), &f.channel[i]);
-    for (int i = 0; i < 4; i++)
-        assert_null(gp_frame_channel(&f, absent[i]));
-    gp_frame_free(&f);
-    gp_frame_free(&f);
-    assert_int_equal(origins, 1);
-    struct gp_plane p = {.name = gp_strdup("Z")};
-    gp_plane_free(&p);
-    gp_plane_free(&p);
-    assert_int_equal(fail_blocks(), blocks);
-}
 
 static const char *const rgba[] = {"R", "G", "B", "A"};
 
@@ -223,7 +183,7 @@ static gp_status open_bytes(const uint8_t *bytes, size_t n,
     s = gp_stream_of(bytes, n);
     *image = (struct gp_decoded) {0};
     kept_clear();
-    return gp_pfm_open(&kept_log, "a.pfm", &s, 0, MOST, image);
+    return gp_pfm_open(&kept_log, "a.pfm", &s, MOST, image);
 }
 
 /* Values stay what they are, times the scale, and come from the top; where an
@@ -289,11 +249,7 @@ static void damaged_headers(void **state)
         assert_ok(gp_pfm_length(bytes, n, &length));
         assert_int_equal(length, 0);
     }
-    const struct gp_stream whole = gp_stream_of(bytes, size);
-    assert_int_equal(gp_pfm_open(&kept_log, "a.pfm", &whole, 1, MOST, &image),
-                     GP_ERR_DATA); // it has no part 1
 }
 
-SUITE_OF(decoded, make_folder, remove_folder, frames_own_what_they_hold,
-         curves, no_such_layer,
+SUITE_OF(decoded, make_folder, remove_folder, curves, no_such_layer,
          windows_and_attributes, parts_and_views, headers, damaged_headers)

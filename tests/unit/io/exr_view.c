@@ -127,8 +127,8 @@ static void planes_of_a_view(void **state)
          1, NULL, false, GP_OK, "A", 0, NULL},
         // another view's, with a warning
         {{PART("p", RGB(HALVES), HALF_CH("Z"), RIGHT)},
-         1, NULL, true, GP_OK, "Z", 0, "layer and view have no depth: using Z of "
-                                       "another; "},
+         1, NULL, true, GP_OK, "Z", 0, "layer and view have no depth: using Z "
+                                       "of another; "},
         // another part's, of no view
         {{PART("p", RGB(HALVES), RIGHT), PART("z", HALF_CH("Z"))},
          2, NULL, true, GP_OK, "z.Z", 1, NULL},

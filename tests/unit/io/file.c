@@ -53,37 +53,6 @@ static void whole_or_nothing(void **state)
     assert_int_equal(wf_names(), 1);
 }
 
-/* Blocks around the buffer's size, and patches across what is written out. */
-static void large_writes_and_patches(void **state)
-{
-    static const size_t sizes[] = {1, 1 << 19, (1 << 19) - 1, 3 << 20, 7, 0,
-                                   (1 << 20) + 1, 1 << 20};
-    const size_t total = 7u << 20;
-    uint8_t *want = calloc(1, total), *block = calloc(1, total);
-    struct gp_file *f;
-    size_t n = 0;
-    assert_ok(gp_file_open(&kept_all, wf_path("big"), false, &f));
-    for (size_t i = 0; i < COUNT(sizes); i++) {
-        for (size_t k = 0; k < sizes[i]; k++)
-            block[k] = want[n + k] = (uint8_t) (wf_hash(1, (uint32_t) k,
-                                                        (uint32_t) i));
-        assert_ok(gp_file_write(f, block, sizes[i]));
-        n += sizes[i];
-        assert_int_equal(gp_file_size(f), n);
-        const size_t at = n > 5000 ? n - 5000 : 0; // may cross the border
-        memset(want + at, (int) i, n - at);
-        assert_ok(gp_file_patch(f, at, want + at, n - at));
-    }
-    assert_ok(gp_file_commit(&f));
-    size_t got;
-    uint8_t *bytes = wf_read(wf_path("big"), &got);
-    assert_int_equal(got, n);
-    assert_memory_equal(bytes, want, n);
-    free(bytes);
-    free(block);
-    free(want);
-}
-
 static void links_and_permissions_stay(void **state)
 {
     struct stat s;
@@ -460,7 +429,7 @@ static void patches_stay_inside(void **state)
 }
 
 SUITE_OF_EACH(file, wf_start, remove_folder, whole_or_nothing,
-              large_writes_and_patches, links_and_permissions_stay,
+              links_and_permissions_stay,
               no_mode_is_wider, descriptors, names, taken_names, full_disk,
               a_close_that_fails, pipes, checks, folders_are_made_or_not,
               without_permission, patches_stay_inside)

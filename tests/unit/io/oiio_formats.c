@@ -9,9 +9,6 @@
 #include "reading.h"
 #include "write_fixture.h"
 
-#include <signal.h>
-#include <sys/resource.h>
-
 enum { W = 16, H = 12, PIXELS = W * H };
 
 static const char *const rgba[] = {"R", "G", "B", "A", "a", "b", "c", "d", "e"};
@@ -117,34 +114,6 @@ static void claims(void **state)
     }
 }
 
-// -- TIFFs made byte by byte -----------------------------------------------
-
-/* One directory after the pixels, Intel's order, each field with the one value
- * that fits into it. */
-
-enum { TIFF_FIELDS = 16, TIFF_PIXELS = 8, TIFF_ROOM = 8192 };
-
-/* Ends with tag 0. A value of short goes into two bytes, two of them into
- * four. */
-struct tiff_field {
-    int tag, type, count;
-    uint32_t value;
-};
-#define TIFF_SHORT(tag, value) {tag, 3, 1, value}
-#define TIFF_LONG(tag, value) {tag, 4, 1, value}
-
-#define GREY(w, h, bits)                                                      \
-    TIFF_LONG(256, w), TIFF_LONG(257, h), TIFF_SHORT(258, bits),              \
-    TIFF_SHORT(259, 1), TIFF_SHORT(262, 1)
-#define STRIP(rows, bytes)                                                    \
-    TIFF_LONG(273, TIFF_PIXELS), TIFF_SHORT(277, 1), TIFF_LONG(278, rows),    \
-    TIFF_LONG(279, bytes)
-#define TILE(w, h, bytes)                                                     \
-    TIFF_SHORT(277, 1), TIFF_LONG(322, w), TIFF_LONG(323, h),                 \
-    TIFF_LONG(324, TIFF_PIXELS), TIFF_LONG(325, bytes)
-
-#define FAR (1 << 29)
-
 /* Each format cut off, by little and by much, in its file and in memory. */
 static void cut_off(void **state)
 {
@@ -236,44 +205,6 @@ static void readers_that_are_never_asked(void **state)
     free(bytes);
 }
 
-// -- pictures of frames -------------------------------------------------------
-
-/* Under a limit in the midst of the pixels: one line, and no file. */
-static void pictures_that_do_not_fit(void **state)
-{
-    static const struct {
-        const char *name;
-        bool helper;
-    } row[] = {
-        {"a.png", false}, {"a.pfm", false}, {"a.tif", true}, {"a.sgi", true},
-    };
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_frame f = wf_sized(900, 900, wf_rgb);
-    p.depth_bits = 16;
-    for (size_t i = 0; i < 3 * gp_frame_pixels(&f); i++)
-        f.rgb.c[i % 3][i / 3] =
-            (float) (wf_hash((uint32_t) i, 1, 2) >> 8) / 0x1p24f;
-    void (*const handler)(int) = signal(SIGXFSZ, SIG_IGN);
-    for (size_t i = 0; i < COUNT(row); i++) {
-        if (row[i].helper && !has_oiio)
-            continue;
-        const int before = wf_names();
-        struct rlimit was, now;
-        assert_int_equal(getrlimit(RLIMIT_FSIZE, &was), 0);
-        now = (struct rlimit) {1500000, was.rlim_max};
-        assert_int_equal(setrlimit(RLIMIT_FSIZE, &now), 0);
-        const gp_status st = wf_write(&p, row[i].name, &f, GP_PICTURE_SHOWN);
-        setrlimit(RLIMIT_FSIZE, &was);
-        assert_int_equal(st, GP_ERR_IO);
-        assert_kept(row[i].name);
-        assert_int_equal(wf_names(), before);
-        assert_ok(wf_write(&p, row[i].name, &f, GP_PICTURE_SHOWN));
-        remove(wf_path(row[i].name));
-    }
-    signal(SIGXFSZ, handler);
-    gp_frame_free(&f);
-}
-
 /* Endings that are written; OpenImageIO has writers for more. */
 static void endings(void **state)
 {
@@ -319,4 +250,4 @@ static int setup(void **state)
 
 SUITE_OF(oiio_formats, setup, remove_folder, written_formats_come_back, claims,
          cut_off, formats_that_are_not_read, readers_that_are_never_asked,
-         pictures_that_do_not_fit, endings)
+         endings)

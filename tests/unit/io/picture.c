@@ -1,6 +1,5 @@
-/* io/picture: each row is run once, in scratch that no other row has at the
- * same time; display windows that are none; alpha. Codes against
- * gp_srgb_encode(), and the laws of the dither. */
+/* io/picture: display windows that are none, alpha, codes, and the laws of the
+ * dither. */
 #include "unit.h"
 #include "write_fixture.h"
 #include "core/bytes.h"
@@ -8,11 +7,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/io_priv.h"
-
-struct seen {
-    int width;
-    int *runs, *wrong; // of each row
-};
 
 static void windows_that_are_no_picture(void **state)
 {
@@ -62,62 +56,12 @@ static void floats_with_alpha(void **state)
     gp_frame_free(&f);
 }
 
-static int plain(float v, int max)
-{
-    return (int) (gp_srgb_encode(v) * (float) max + 0.5f);
-}
-
-static float ulps(float v, int n)
-{
-    return gp_float_with_bits(gp_bits_of(v) + (uint32_t) n);
-}
-
 /* Of 8 and of 16 bits; dithered. */
 static const struct gp_quantizer quantizer[2] = {{255, true, false},
                                                  {65535, true, false}};
 static const struct gp_quantizer dither[2] = {{255, true, true},
                                               {65535, true, true}};
 static const int largest[2] = {255, 65535};
-
-static void check_all(int wide, const float *v, size_t n)
-{
-    uint16_t *code = malloc(n * sizeof *code);
-    assert_non_null(code);
-    gp_quantize(&quantizer[wide], v, 0, 0, code, n);
-    for (size_t i = 0; i < n; i++) {
-        if (code[i] != plain(v[i], largest[wide]))
-            fail_msg("%a: code %d, plain %d", (double) v[i], code[i],
-                     plain(v[i], largest[wide]));
-    }
-    free(code);
-}
-
-/* Three floats on either side of every code's edge; then a stride of floats
- * over all there are, signs, NaN and Inf included. */
-static void codes_of_floats(void **state)
-{
-    enum { N = 1 << 20 };
-    float *const v = malloc(N * sizeof *v);
-    assert_non_null(v);
-    for (int wide = 0; wide < 2; wide++) {
-        const int max = largest[wide];
-        for (int c = 1; c <= max; c++) {
-            float lo = 0.0f, hi = 1.0f; // plain(lo) < c <= plain(hi)
-            while (ulps(lo, 1) < hi) {
-                const uint32_t a = gp_bits_of(lo), b = gp_bits_of(hi);
-                const float mid = gp_float_with_bits(a + (b - a) / 2);
-                *(plain(mid, max) >= c ? &hi : &lo) = mid;
-            }
-            for (int k = -3; k <= 3; k++)
-                v[(c - 1) * 7 + k + 3] = ulps(hi, k);
-        }
-        check_all(wide, v, (size_t) max * 7);
-        for (uint32_t i = 0; i < N; i++)
-            v[i] = gp_float_with_bits(i * 4096u + i % 4095u);
-        check_all(wide, v, N);
-    }
-    free(v);
-}
 
 /* Codes of 8 bits, with the curve and without. */
 static void codes_of_single_values(void **state)
@@ -180,4 +124,4 @@ static void dither_laws(void **state)
 }
 
 SUITE_OF(picture, NULL, NULL, windows_that_are_no_picture,
-         floats_with_alpha, codes_of_floats, codes_of_single_values, dither_laws)
+         floats_with_alpha, codes_of_single_values, dither_laws)

@@ -355,38 +355,6 @@ static void streams_fall_into_images(void **state)
     gp_frame_free(&f);
 }
 
-/* Cut anywhere, a stream is images that cover it, the last maybe bad. */
-static void cut_streams(void **state)
-{
-    const struct gp_read_params p = GP_READ_DEFAULTS;
-    struct gp_frame f = wf_sized(9, 20, wf_rgb);
-    char path[64];
-    size_t at[16], n;
-    const size_t all = make_stream(&f, path, "ZEg", at);
-    const char *cut = wf_path("cut");
-    uint8_t *bytes = wf_read(path, &n);
-    assert_int_equal(n, all);
-    for (size_t size = 1; size < n; size += size < 64 ? 1 : 13) {
-        struct gp_members m;
-        fixture_save(cut, bytes, size);
-        if (from_stdin(cut, &m) == GP_ERR_DATA)
-            continue; // a magic number in two
-        assert_int_equal(m.n, size > at[2] ? 3 : size > at[1] ? 2 : 1);
-        const struct gp_member last = m.member[m.n - 1];
-        assert_int_equal(last.at + last.size, size);
-        struct gp_frame got;
-        const bool whole = size == at[1] || size == at[2];
-        gp_status st = gp_members_frame(&kept_all, &p, "cut", &m, m.n - 1,
-                                        &got);
-        assert_int_equal(st, whole ? GP_OK : GP_ERR_DATA);
-        if (!st)
-            gp_frame_free(&got);
-        gp_members_free(&m);
-    }
-    free(bytes);
-    gp_frame_free(&f);
-}
-
 SUITE_OF_EACH(stream, wf_start, remove_folder, pipes_to_their_limit,
               first_bytes, raw_pixels, raw_frames_have_one_size,
-              streams_fall_into_images, cut_streams)
+              streams_fall_into_images)
