@@ -114,7 +114,7 @@ static void names_without_numbers(void **state)
 /* Jobs that fail, of frames 1 to 5 or of nameless ones, each of two views. */
 static void failed_views(void **state)
 {
-    static const char *const views[] = {"l", "r"};
+    static char *const views[] = {(char *) "l", (char *) "r"};
     static const struct {
         int views;          // jobs of one input: 1 or 2
         bool numbered;
@@ -141,7 +141,7 @@ static void failed_views(void **state)
         }
         const struct gp_jobs j = {
             .job = job, .n = 10, .views = rows[i].views,
-            .view = {.name = (const char **) views, .n = 2},
+            .view = {.name = {views[0], views[1]}, .n = 2},
         };
         assert_ok(gp_failures_make(NULL, &j, &f));
         for (int k = 0; k < 10; k++) {
