@@ -17,7 +17,8 @@ struct gp_surfaces {
     struct gp_rect display;        // of the camera
     const struct gp_plane *z;      // along the view axis, units of the world;
                                    // NaN, <= 0 and >= GP_DEPTH_HUGE: none
-    const struct gp_plane *normal; // three: x, y, z; of any length over 0
+    struct gp_plane *normal;       // three: x, y, z; of any length over 0; turned
+                                   // in place where only that fits the depth
     bool normal_of_camera;         // axes of the picture: x right, y up, z to
                                    // the eye; else of the world
     const struct gp_plane *albedo; // three: r, g, b; 0: lit by nothing
@@ -73,8 +74,8 @@ GP_MUST_CHECK gp_status gp_relight(const struct gp_log *log,
 struct gp_relit_frame {
     const char *path;            // for messages
     struct gp_surfaces surfaces; // without their objects
-    bool up_unknown;             // nothing says which axis of the normals'
-                                 // world points up
+    bool up_unknown;             // nothing but the normals says which axis of
+                                 // their world points up
     double light_scale;          // the frame's units a cd or lux; 0: as Blender
 };
 

@@ -3,12 +3,106 @@
 
 #include "core/depth.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "scene/sets/sets.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double BLENDER = 1.0 / 683.0; // radiance a cd or lux
+
+// -- the axis of normals that points up ---------------------------------------
+
+enum { UP_ACROSS = 256 }; // pixels that are looked at across the picture
+
+/* Returns the sample of a plane, or 0 outside. */
+static double sample_of(const struct gp_plane *p, int x, int y)
+{
+    const struct gp_rect w = p->window;
+    const bool inside = x >= w.x0 && x < w.x1 && y >= w.y0 && y < w.y1;
+    return inside ? (double) p->v[(ptrdiff_t) (y - w.y0) * gp_rect_w(w) + x -
+                                  w.x0] : 0.0;
+}
+
+/* Finds the place that a pixel shows; false: none. */
+static bool place_at(const struct gp_surfaces *f, int x, int y,
+                     struct gp_v3 *place)
+{
+    const struct gp_camera *const c = &f->camera;
+    const double z = sample_of(f->z, x, y);
+    const double w = gp_rect_w(f->display), h = gp_rect_h(f->display);
+    if (!(z > 0.0 && z < (double) GP_DEPTH_HUGE))
+        return false;
+    *place = gp_camera_point(c, (x + 0.5 - f->display.x0) / w,
+                             (y + 0.5 - f->display.y0) / h, z);
+    return true;
+}
+
+/* Finds the normal of the depths around a pixel; false: they are no plane. */
+static bool normal_at(const struct gp_surfaces *f, int x, int y,
+                      struct gp_v3 *normal)
+{
+    struct gp_v3 at, left, right, up, down;
+    if (!place_at(f, x, y, &at) || !place_at(f, x - 1, y, &left) ||
+        !place_at(f, x + 1, y, &right) || !place_at(f, x, y - 1, &up) ||
+        !place_at(f, x, y + 1, &down))
+        return false;
+    const struct gp_v3 a = gp_v3_sub(right, left), b = gp_v3_sub(down, up);
+    const struct gp_v3 n = gp_v3_unit(gp_v3_cross(a, b));
+    const double most = 0.05 * (gp_v3_length(a) + gp_v3_length(b));
+    *normal = n;
+    return fabs(gp_v3_dot(n, gp_v3_sub(left, at))) < most &&
+           fabs(gp_v3_dot(n, gp_v3_sub(up, at))) < most;
+}
+
+/* Turns normals of a world that is z up to the scene's, which is y up, where
+ * only so they fit the frame's own depths: of a frame without a camera nothing
+ * else says so. Warns where both or neither fit. */
+static void turn_normals(const struct gp_log *log, const char *path,
+                         const struct gp_surfaces *own)
+{
+    const struct gp_rect d = own->z->window;
+    struct gp_plane *const normal = own->normal;
+    const double fits = 0.95; // cosine
+    const int step = 1 + gp_max(gp_rect_w(d), gp_rect_h(d)) / UP_ACROSS;
+    int looked = 0, only_y = 0, only_z = 0;
+    for (int y = d.y0 + 1; y < d.y1 - 1; y += step) {
+        for (int x = d.x0 + 1; x < d.x1 - 1; x += step) {
+            struct gp_v3 at;
+            const struct gp_v3 n = {sample_of(&normal[0], x, y),
+                                    sample_of(&normal[1], x, y),
+                                    sample_of(&normal[2], x, y)};
+            const double length = gp_v3_length(n);
+            if (!(fabs(length - 1.0) < 0.01) || !normal_at(own, x, y, &at))
+                continue;
+            const struct gp_v3 turned = {n.x, n.z, -n.y};
+            const bool is_y = fabs(gp_v3_dot(at, n)) > fits * length;
+            const bool is_z = fabs(gp_v3_dot(at, turned)) > fits * length;
+            looked++;
+            only_y += is_y && !is_z;
+            only_z += is_z && !is_y;
+        }
+    }
+    const int more = only_y > only_z ? only_y : only_z;
+    if (more < 4 * (only_y + only_z - more) || 8 * more <= looked) {
+        gp_say_at(log, GP_LEVEL_WARN, "scene.camera_normals", "%s: has no "
+                  "camera, and its normals fit its depth y up as well as z up "
+                  "(%d and %d of %d pixels), y up is taken", path, only_y,
+                  only_z, looked);
+    } else if (only_z == more) {
+        const struct gp_plane y = normal[1];
+        const size_t n = (size_t) gp_rect_w(y.window) *
+                         (size_t) gp_rect_h(y.window);
+        for (size_t i = 0; i < n; i++)
+            y.v[i] = -y.v[i];
+        normal[1] = normal[2];
+        normal[2] = y;
+        gp_say(log, GP_LEVEL_INFO, "%s: normals are of a world that is z "
+               "up (%d of %d pixels)", path, only_z, looked);
+    }
+}
+
+// -- lights -------------------------------------------------------------------
 
 /* A frame while lights are added: those of a batch in one call. */
 struct lighting {
@@ -142,9 +236,7 @@ gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
                     &l.out));
     GP_TRY(gp_relit_find(log, s, name, names, asked));
     if (f->up_unknown && !f->surfaces.normal_of_camera)
-        gp_say_at(log, GP_LEVEL_WARN, "scene.camera_normals", "%s: has no "
-                  "camera, so its normals are taken for those of a world that "
-                  "is y up", f->path);
+        turn_normals(log, f->path, &l.surfaces);
     const struct gp_plane *const z = f->surfaces.z;
     const struct gp_sets_view view = {
         .camera = f->surfaces.camera, .display = f->surfaces.display,

@@ -72,7 +72,7 @@ is "$(field r.json '"relit" in o, "relight" in o["times_ms"], "scene" in o["time
 
 # -- the axis of normals that points up ------------------------------------------
 
-# a frame without a camera: nothing says which axis of its normals' world is up
+# a frame without a camera: only its normals say which axis its world has up
 cat >lamp.gltf <<'JSON'
 {"asset": {"version": "2.0"}, "cameras": [{"type": "perspective",
  "perspective": {"yfov": 1.5707963267948966, "znear": 1}}],
@@ -81,12 +81,29 @@ cat >lamp.gltf <<'JSON'
  "translation": [0.5, 1, -2], "extensions": {"KHR_lights_punctual":
  {"light": 0}}}]}
 JSON
-frame y.exr size=60x60 kind=ground-y \
-    channels=R,G,B,Z:float,N.X,N.Y,N.Z,albedo.R,albedo.G,albedo.B
-run --scene lamp.gltf --relight lamp -o o.png y.exr
-like "$(cat err)" '*y.exr: has no camera, so its normals *y up*scene-up*' \
-    'normals of a frame without a camera are a warning'
-run --scene lamp.gltf --relight lamp --scene-up y -o o.png y.exr
+for axis in x y z; do
+    frame $axis.exr size=60x60 kind=ground-$axis \
+        channels=R,G,B,Z:float,N.X,N.Y,N.Z,albedo.R,albedo.G,albedo.B
+done
+ground()
+{
+    name=$1
+    shift
+    run --scene lamp.gltf --relight lamp -g 0 --no-provenance --depth-bits 16 \
+        -o $name.png "$@"
+}
+ground wanted --scene-up y y.exr
+ground unlit --scene-up y z.exr
+no 'normals of another world are dark' cmp -s wanted.png unlit.png
+for axis in y z; do
+    ground $axis $axis.exr
+    quiet_success "normals $axis up: not a word"
+    same $axis.png wanted.png "normals $axis up are found"
+done
+ground x x.exr
+like "$(cat err)" '*x.exr: has no camera, and its normals fit *y up is taken*scene-up*' \
+    'normals that fit neither are a warning'
+ground x --scene-up y x.exr
 quiet_success 'which --scene-up ends'
 
 # -- layers and parts ------------------------------------------------------------
