@@ -549,11 +549,10 @@ static gp_status compare_frame(struct run *r, int frame)
 /* Checks that no picture replaces a compared file or another output. */
 static gp_status check_names(const struct run *r)
 {
-    gp_status st;
-    struct gp_output_guard c;
+    gp_status st = GP_OK;
+    struct gp_output_guard c = {.log = r->log, .s = r->s};
     char *name = NULL;
     const int n = gp_max(r->frames.n, 1);
-    GP_TRY(gp_output_guard_begin(r->log, r->s, &c));
     for (int i = 0; i < 4 * n; i++) { // the pictures of all, then the inputs
         const bool input = i >= 2 * n;
         const struct gp_pattern *const p = input ? &r->in[i % 2]

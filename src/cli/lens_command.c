@@ -106,7 +106,7 @@ static gp_status check_lens(const struct gp_log *log, struct glarepp *gp,
         (name < 4 || strcasecmp(draw + name - 4, ".svg") != 0))
         return gp_fail(log, GP_ERR_USAGE, "%s: the drawing of a lens is an "
                        "SVG; give a name that ends in .svg", draw);
-    GP_TRY(gp_output_guard_check(log, s, "--check", s->making.check));
+    GP_TRY(gp_output_guard_check(log, s, NULL, NULL));
     GP_TRY(glarepp_lens(gp, s->making.check, &lens));
     printf("lens         %s\n", lens.name);
     if (lens.patent[0])

@@ -7,7 +7,7 @@
  * descriptors (stdout, /dev/fd/N), unless they are of a file that is read; `-`
  * may be given once.
  *
- * All outputs are added first, then gp_output_guard_settle(), then inputs. */
+ * It starts as {.log, .s}, and is ended after a failure too. All outputs are added first, then gp_output_guard_settle(), then inputs. */
 #ifndef GP_CLI_OUTPUT_GUARD_H
 #define GP_CLI_OUTPUT_GUARD_H
 
@@ -21,19 +21,14 @@ struct gp_output_guard {
     bool exists;                  // some output exists: it may be an input
 };
 
-/* Starts with the files that options with plain names write. End with
- * gp_output_guard_end(), also after a failure. */
-GP_MUST_CHECK gp_status gp_output_guard_begin(const struct gp_log *log,
-    const struct gp_settings *s, struct gp_output_guard *out);
-
 /* Adds an output: the option `what` with its value `as`, which may be a
- * pattern, made of the input `of` (NULL: the only one). All but the path are
+ * pattern, made of the input `of` (NULL: the only one); `as` and `of` are
  * borrowed. */
 GP_MUST_CHECK gp_status gp_output_guard_add(struct gp_output_guard *c,
     const char *path, const char *what, const char *as, const char *of);
 
-/* Compares all outputs with each other, and with the files that options with
- * plain names read.
+/* Adds the files that options with plain names write. Compares all outputs with
+ * each other, and with the files that options with plain names read.
  * Errors: GP_ERR_USAGE names the first that is given twice, or is read. */
 GP_MUST_CHECK gp_status gp_output_guard_settle(struct gp_output_guard *c);
 
