@@ -4,7 +4,6 @@
 #include "cli/output_guard.h"
 #include "cli/stages.h"
 #include "core/json.h"
-#include "core/memory.h"
 #include "io/file.h"
 
 #include <jansson.h>
@@ -160,8 +159,6 @@ static void free_planes(struct user *u)
 {
     gp_plane_free(&u->state.depth);
     gp_plane_free(&u->state.mask);
-    gp_free(u->state.facts.hidden.depth);
-    gp_free(u->state.facts.hidden.mask);
     u->state = (struct gp_frame_state) {0};
 }
 

@@ -54,7 +54,6 @@ static gp_status draw_kernel(const struct glarepp_kernel *k,
 struct texts {
     struct gp_attribute at[GP_KERNEL_RECIPES + 7];
     char value[GP_KERNEL_RECIPES + 7][40]; // of those that are made here
-    struct gp_recipe_name name[GP_KERNEL_RECIPES];
     int n;
 };
 
@@ -81,10 +80,8 @@ static void make_texts(const struct gp_settings *s,
     const char *recipe;
     out->n = 0;
     for (int i = 0; i < GP_KERNEL_RECIPES &&
-                    (recipe = glarepp_kernel_recipe(k, i)); i++) {
-        out->name[i] = gp_recipe_name(i);
-        add_text(out, out->name[i].text, recipe);
-    }
+                    (recipe = glarepp_kernel_recipe(k, i)); i++)
+        add_text(out, gp_recipe_names[i], recipe);
     while (c->value != (int) s->output.write.compression)
         c++;
     add_number(out, "glarepp:fov", label->fov);

@@ -70,9 +70,9 @@ enum gp_edges {
 /* Of what hides lights. */
 struct gp_occluder_facts {
     enum gp_edges edges;
-    char *depth;                 // channel, owned, or NULL
+    const char *depth;           // channel, or NULL
     const char *depth_type;      // NULL: the frame has light
-    char *mask;                  // coverage channel, owned, or NULL
+    const char *mask;            // coverage channel, or NULL
 };
 
 /* Of the files written. */
