@@ -1,6 +1,5 @@
 /* glarepp compare: reads two images, or two sequences part by part, has them
  * compared, and reports: idiff's lines and more, a JSON object, pictures. */
-#include "cli/output_guard.h"
 #include "cli/commands.h"
 #include "core/json.h"
 #include "core/memory.h"

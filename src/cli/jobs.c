@@ -1,6 +1,5 @@
 #include "cli/jobs.h"
 
-#include "cli/output_guard.h"
 #include "core/memory.h"
 #include "io/file.h"
 
@@ -11,16 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* True when some output is a pattern. */
-static bool has_place(const struct gp_jobs *j)
-{
-    for (int i = 0; i < j->targets; i++) {
-        if (j->target[i].name.len)
-            return true;
-    }
-    return false;
-}
 
 /* True for --views all, and without --views. */
 static bool views_all(const struct gp_settings *s)
@@ -93,6 +82,9 @@ static gp_status add_inputs(const struct gp_log *log,
     gp_status st;
     struct gp_pattern *in;
     struct gp_frames f = {0};
+    bool place = false; // some output is a pattern
+    for (int i = 0; i < j->targets; i++)
+        place = place || j->target[i].name.len;
     GP_TRY(gp_alloc_zero(log, "input list", (size_t) s->input.files.n,
                          sizeof *in, &in));
     for (int i = 0; i < s->input.files.n; i++) {
@@ -142,7 +134,7 @@ static gp_status add_inputs(const struct gp_log *log,
         if (gp_is_dash(p->path)) { // one frame until stdin is read
             if (s->input.frames)
                 GP_TRY(gp_frames_parse(log, s->input.frames, &f));
-            GP_TRY(add_frame(log, j, p, has_place(j) || s->input.frames,
+            GP_TRY(add_frame(log, j, p, place || s->input.frames,
                              f.n ? f.number[0] : 1));
         } else if (p->len) {
             GP_TRY(list_frames(log, s, p, &j->view, &f));
@@ -153,8 +145,7 @@ static gp_status add_inputs(const struct gp_log *log,
                            "(found a plain name); write shot.####.exr, or "
                            "leave --frames out", p->path));
         } else {
-            const bool numbered =
-                has_place(j) && gp_frame_number(p->path, &frame);
+            const bool numbered = place && gp_frame_number(p->path, &frame);
             GP_TRY(add_frame(log, j, p, numbered, frame));
         }
         gp_frames_free(&f);

@@ -1,7 +1,6 @@
 /* glarepp sets, and the command's side of glarepp bench: tables of times. */
 #include "cli/commands.h"
 #include "cli/listener.h"
-#include "cli/output_guard.h"
 #include "cli/stages.h"
 #include "core/json.h"
 #include "io/file.h"

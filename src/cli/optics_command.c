@@ -1,6 +1,5 @@
 /* glarepp kernel and glarepp lens. */
 #include "cli/commands.h"
-#include "cli/output_guard.h"
 #include "cli/listener.h"
 #include "io/file.h"
 

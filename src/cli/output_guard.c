@@ -1,4 +1,4 @@
-#include "cli/output_guard.h"
+#include "cli/jobs.h"
 
 #include "core/memory.h"
 #include "io/file.h"
