@@ -46,16 +46,15 @@ static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
     gp_status st = GP_OK;
     char io[256];
     const char *name;
+    const char *const help = s->words.help;
     if (s->command == GP_COMMAND_HELP)
         st = gp_help_topic(log, stdout,
                            s->input.files.n ? s->input.files.at[0] : NULL);
-    else if (s->words.help && s->words.help[0] &&
-             strcmp(s->words.help, "all") != 0)
-        st = gp_help_topic(log, stdout, s->words.help);
-    else if (s->words.help && !s->words.help[0] &&
-             s->command == GP_COMMAND_MAIN)
+    else if (help && *help && strcmp(help, "all") != 0)
+        st = gp_help_topic(log, stdout, help);
+    else if (help && !*help && s->command == GP_COMMAND_MAIN)
         gp_help_screen(stdout);
-    else if (s->words.help)
+    else if (help)
         gp_help(stdout, s->command);
     else if (s->words.help_table)
         gp_help_table(stdout);

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 // -- making -------------------------------------------------------------------
 
@@ -388,10 +387,11 @@ static gp_status check_lens(const struct gp_log *log, struct glarepp *gp,
 {
     struct glarepp_lens lens = {.own = NULL};
     const char *const draw = s->making.draw;
-    const size_t name = draw ? strlen(draw) : 0;
+    char ending[8] = "";
     gp_status st;
-    if (draw && !gp_is_dash(draw) &&
-        (name < 4 || strcasecmp(draw + name - 4, ".svg") != 0))
+    if (draw)
+        gp_file_ending(draw, ending, sizeof ending);
+    if (draw && !gp_is_dash(draw) && strcmp(ending, "svg") != 0)
         return gp_fail(log, GP_ERR_USAGE, "%s: the drawing of a lens is an "
                        "SVG; give a name that ends in .svg", draw);
     GP_TRY(gp_output_guard_check(log, s, NULL, NULL));

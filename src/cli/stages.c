@@ -341,8 +341,7 @@ static gp_status run_end(struct gp_run *r, struct gp_frame_state *fs)
     // of the layer with ghosts too, which is no darker than without them
     f->bounded = f->lib.sense.sources || f->lib.lens.name;
     f->bound = f->lib.layer.bound + f->lib.lens.bound;
-    f->clamp.n.pixels = f->lib.sense.clamped;
-    memcpy(f->clamp.flux, f->lib.sense.flux_clamped, sizeof f->clamp.flux);
+    memcpy(f->flux_clamped, f->lib.sense.flux_clamped, sizeof f->flux_clamped);
     return st;
 }
 
@@ -492,7 +491,6 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_write_stats stats = {.raw = r->raw}; // changes when ordered only
     struct gp_write_params p = r->s->output.write;
     struct gp_write_facts *const facts = &fs->facts.write;
-    struct gp_clamp_facts *const clamp = &fs->facts.clamp;
     const struct gp_taker *const taker = r->jobs->taker;
     gp_status st = GP_OK;
     if (taker) { // in place of files
@@ -522,9 +520,9 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     }
     if (st)
         return st;
-    clamp->n.values = stats.clamped;
+    fs->facts.clamped_out = stats.clamped;
     for (int c = 0; c < 3; c++)
-        clamp->flux[c] += stats.flux_clamped[c];
+        fs->facts.flux_clamped[c] += stats.flux_clamped[c];
     if (r->ordered)
         r->raw = stats.raw;
     return GP_OK;
