@@ -22,10 +22,16 @@ GP_MUST_CHECK gp_status gp_pipeline_run(
     const struct gp_log *log, struct glarepp *gp, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress);
 
-/* glarepp bench: measures every technique on the input's one frame
- * (bench.h). */
-GP_MUST_CHECK gp_status gp_bench_command(const struct gp_log *log,
-    struct glarepp *gp, const struct gp_settings *s);
+/* A command. *differs is true, and the exit status 1, where kernel --check finds
+ * a fault, lens --check finds a lens that does not make what its file claims, or
+ * a row of sets draws another picture than the first. */
+typedef gp_status gp_command_run(const struct gp_log *log, struct glarepp *gp,
+                                 const struct gp_settings *s, bool *differs);
+gp_command_run gp_bench_command;  // measures every technique on one frame
+gp_command_run gp_kernel_command; // writes, lists and checks kernels
+gp_command_run gp_lens_command;   // lists, checks and draws lenses
+gp_command_run gp_sets_command;   // draws each row of O'Rorke's Table 15-1
+gp_command_run gp_styles_command; // lists the styles, or draws a sheet of them
 
 /* Exit statuses: first those of glarepp_compare_facts.result; a wrong command
  * line has that of sysexits.h, which no difference has. */
@@ -47,25 +53,5 @@ enum {
  * full. */
 int gp_compare_command(const struct gp_log *log, struct glarepp *gp,
                        const struct gp_settings *s);
-
-/* glarepp kernel: writes kernels with the recipe that made them, lists models
- * and checks kernels. *faulty is true where --check finds a fault. */
-GP_MUST_CHECK gp_status gp_kernel_command(const struct gp_log *log,
-    struct glarepp *gp, const struct gp_settings *s, bool *faulty);
-
-/* glarepp lens: lists and checks lenses, and draws them. *faulty is true where
- * --check finds a lens that does not make what its file claims. */
-GP_MUST_CHECK gp_status gp_lens_command(const struct gp_log *log,
-    struct glarepp *gp, const struct gp_settings *s, bool *faulty);
-
-/* glarepp styles: lists the styles, or draws the frame without glare and in
- * each of them on a sheet, by a run of the main job for each. */
-GP_MUST_CHECK gp_status gp_styles_command(const struct gp_log *log,
-    struct glarepp *gp, const struct gp_settings *s);
-
-/* glarepp sets: draws each row of O'Rorke's Table 15-1 for a scene. *differ is
- * true where a row draws another picture than the first. */
-GP_MUST_CHECK gp_status gp_sets_command(const struct gp_log *log,
-    struct glarepp *gp, const struct gp_settings *s, bool *differ);
 
 #endif

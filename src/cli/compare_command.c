@@ -1,6 +1,5 @@
 /* glarepp compare: reads two images, or two sequences part by part, has them
  * compared, and reports: idiff's lines and more, a JSON object, pictures. */
-#include "cli/output_guard.h"
 #include "cli/commands.h"
 #include "core/json.h"
 #include "core/memory.h"
@@ -23,6 +22,27 @@ struct row {
     const struct gp_stored_image *image[2]; // of the files
     const struct glarepp_compare *compare;
     const struct glarepp_compare_facts *facts;
+};
+
+enum { HEATMAP, DIFFERENCE, PICTURES };
+
+/* A run, and its present pair. */
+struct run {
+    const struct gp_log *log;
+    struct glarepp *gp;
+    const struct gp_settings *s;
+    struct gp_write_params write;        // of pictures
+    struct gp_pattern in[2];             // .len 0: a plain file
+    const char *wanted[PICTURES];        // as given; NULL: not wanted
+    struct gp_pattern picture[PICTURES]; // of those
+    struct gp_frames frames;             // n 0: one pair of plain files
+    FILE *json;                          // NULL: not wanted
+    bool full;                           // a line of it could not be written
+    int worst;                           // exit status
+    int count[GP_COMPARE_FILE + 1];
+
+    struct row row;
+    bool drawn[PICTURES];                // the pair has this one
 };
 
 // -- text --------------------------------------------------------------------
@@ -208,45 +228,29 @@ static json_t *row_json(const struct row *r, bool numbered)
 
 // -- pictures ----------------------------------------------------------------
 
-/* Returns a frame of the window under the name of its file.
- * Errors: GP_ERR_BUG. */
-static gp_status blank_frame(const struct gp_log *log, const char *path,
-                             const struct row *r, struct gp_frame *f)
-{
-    const struct glarepp_rect w = r->facts->window;
-    *f = gp_frame_blank((struct gp_rect) {w.x0, w.y0, w.x1, w.y1});
-    f->path = gp_strdup(path);
-    return f->path ? GP_OK : gp_no_memory(log, path);
-}
-
-static gp_status draw_flip(
-    const struct gp_log *log, const struct gp_write_params *write,
-    const char *path, const struct row *r)
+/* Writes FLIP at each pixel of the window that is blank in `f`. */
+static gp_status draw_flip(const struct run *r, struct gp_frame *f)
 {
     struct glarepp_image map = GLAREPP_IMAGE;
-    struct gp_write_params plain = *write;
     struct gp_write_stats stats = {0};
-    struct gp_frame f;
     gp_status st;
-    GP_TRY(blank_frame(log, path, r, &f));
-    GP_TRY(glarepp_compare_view(r->compare, -1, false, 1.0f, &map));
+    GP_TRY(glarepp_compare_view(r->row.compare, -1, false, 1.0f, &map));
     const struct gp_planes shown = {{map.plane[0], map.plane[1], map.plane[2]}};
-    plain.dither = GP_DITHER_NEVER; // each pixel is a number
-    GP_TRY(gp_write_picture(log, &plain, path, &f, &shown, GP_PICTURE_SHOWN,
-                            &stats));
+    GP_TRY(gp_write_picture(r->log, &r->write, f->path, f, &shown,
+                            GP_PICTURE_SHOWN, &stats));
 out:
     glarepp_image_end(&map);
-    gp_frame_free(&f);
     return st;
 }
 
 /* Copies the difference of a pair. */
-static gp_status subtract(const struct row *r,
-    const struct gp_compare_settings *s, int pair, size_t pixels, float *to)
+static gp_status subtract(const struct run *r, int pair, size_t pixels,
+                          float *to)
 {
+    const struct gp_compare_settings *const s = &r->s->compare;
     struct glarepp_image d;
-    const gp_status st = (gp_status) glarepp_compare_view(r->compare, pair, s->absolute,
-                                              s->scale, &d);
+    const gp_status st = (gp_status) glarepp_compare_view(
+        r->row.compare, pair, s->absolute, s->scale, &d);
     if (!st)
         memcpy(to, d.plane[0], pixels * sizeof *to);
     glarepp_image_end(&d);
@@ -255,103 +259,76 @@ static gp_status subtract(const struct row *r,
 
 /* The channels of the pairs in `f`, in the order of their names, all but its
  * colour with their samples. */
-static gp_status make_channels(const struct gp_log *log,
-    const struct gp_compare_settings *s, const struct row *r,
-    const int colour[3], struct gp_frame *f)
+static gp_status make_channels(const struct run *r, const int colour[3],
+                               struct gp_frame *f)
 {
-    const int pairs = r->facts->pairs;
+    const int pairs = r->row.facts->pairs;
     const size_t pixels = gp_frame_pixels(f);
-    gp_status st = gp_alloc_zero(log, "channels", (size_t) pairs,
+    gp_status st = gp_alloc_zero(r->log, "channels", (size_t) pairs,
                                  sizeof *f->channel, &f->channel);
     for (int i = 0; i < pairs && !st; i++) {
         struct gp_channel *const c = &f->channel[f->channels++];
         *c = (struct gp_channel) {
-            .name = gp_strdup(r->facts->pair[i]), .type = GP_FLOAT,
+            .name = gp_strdup(r->row.facts->pair[i]), .type = GP_FLOAT,
             .xs = 1, .ys = 1, .w = gp_frame_w(f), .h = gp_frame_h(f),
             .colour = -1,
         };
         for (int k = 2; k >= 0; k--)
             c->colour = colour[k] == i ? k : c->colour;
         if (!c->name)
-            return gp_no_memory(log, f->path);
+            return gp_no_memory(r->log, f->path);
         if (c->colour >= 0)
             continue;
-        st = gp_alloc(log, c->name, pixels, sizeof(float), &c->data);
+        st = gp_alloc(r->log, c->name, pixels, sizeof(float), &c->data);
         if (!st)
-            st = subtract(r, s, i, pixels, c->data);
+            st = subtract(r, i, pixels, c->data);
     }
     return st;
 }
 
-static gp_status draw_difference(
-    const struct gp_log *log, const struct gp_write_params *write,
-    const char *path, const struct row *r,
-    const struct gp_compare_settings *s)
+static gp_status draw_difference(const struct run *r, struct gp_frame *f)
 {
     static const char *const name[3] = {"R", "G", "B"};
-    const struct gp_stored_image *const a = r->image[0];
-    struct gp_write_params as = *write;
+    const struct gp_stored_image *const a = r->row.image[0];
+    const size_t pixels = gp_frame_pixels(f);
+    struct gp_write_params as = r->write;
     struct gp_write_stats stats = {0};
-    struct gp_frame f;
     int colour[3] = {-1, -1, -1};
     char ending[8];
     gp_status st;
-    GP_TRY(blank_frame(log, path, r, &f));
-    memcpy(f.chromaticities, a->chromaticities, sizeof f.chromaticities);
-    memcpy(f.luminance, a->luminance, sizeof f.luminance);
-    for (int i = 0; i < r->facts->pairs; i++) {
-        for (int k = 0; k < 3; k++)
-            colour[k] = strcmp(r->facts->pair[i], name[k]) == 0 ? i : colour[k];
+    memcpy(f->chromaticities, a->chromaticities, sizeof f->chromaticities);
+    memcpy(f->luminance, a->luminance, sizeof f->luminance);
+    for (int i = 0; i < r->row.facts->pairs; i++) {
+        for (int k = 0; k < 3; k++) {
+            if (strcmp(r->row.facts->pair[i], name[k]) == 0)
+                colour[k] = i;
+        }
     }
     if (colour[0] < 0 && colour[1] < 0 && colour[2] < 0) { // the first is grey
-        f.model = GP_COLOUR_GREY;
+        f->model = GP_COLOUR_GREY;
         colour[0] = colour[1] = colour[2] = 0;
     }
-    const size_t pixels = gp_frame_pixels(&f);
-    GP_TRY(gp_planes_make(log, "difference", pixels, &f.rgb));
+    GP_TRY(gp_planes_make(r->log, "difference", pixels, &f->rgb));
     for (int k = 0; k < 3; k++) {
         if (colour[k] >= 0)
-            GP_TRY(subtract(r, s, colour[k], pixels, f.rgb.c[k]));
+            GP_TRY(subtract(r, colour[k], pixels, f->rgb.c[k]));
         else
-            memset(f.rgb.c[k], 0, pixels * sizeof(float));
+            memset(f->rgb.c[k], 0, pixels * sizeof(float));
     }
     as.type = GP_OUT_FLOAT;
-    as.dither = GP_DITHER_NEVER; // equal values become equal codes
-    gp_file_ending(path, ending, sizeof ending);
+    gp_file_ending(f->path, ending, sizeof ending);
     if (strcmp(ending, "exr") == 0) {
-        f.display = a->display;
-        GP_TRY(make_channels(log, s, r, colour, &f));
-        GP_TRY(gp_write_hdr(log, &as, path,
-                            &(struct gp_hdr_colour) {&f, &f.rgb}, 1, &stats));
+        f->display = a->display;
+        GP_TRY(make_channels(r, colour, f));
+        GP_TRY(gp_write_hdr(r->log, &as, f->path,
+                            &(struct gp_hdr_colour) {f, &f->rgb}, 1, &stats));
     } else {
-        GP_TRY(gp_write_picture(log, &as, path, &f, &f.rgb, GP_PICTURE_ENCODED,
-                                &stats));
+        GP_TRY(gp_write_picture(r->log, &as, f->path, f, &f->rgb,
+                                GP_PICTURE_ENCODED, &stats));
     }
 out:
-    gp_frame_free(&f);
     return st;
 }
-
-enum { HEATMAP, DIFFERENCE, PICTURES };
-
-/* A run, and its present pair. */
-struct run {
-    const struct gp_log *log;
-    struct glarepp *gp;
-    const struct gp_settings *s;
-    struct gp_write_params write;        // of pictures
-    struct gp_pattern in[2];             // .len 0: a plain file
-    const char *wanted[PICTURES];        // as given; NULL: not wanted
-    struct gp_pattern picture[PICTURES]; // of those
-    struct gp_frames frames;             // n 0: one pair of plain files
-    FILE *json;                          // NULL: not wanted
-    bool full;                           // a line of it could not be written
-    int worst;                           // exit status
-    int count[GP_COMPARE_FILE + 1];
-
-    struct row row;
-    bool drawn[PICTURES];                // the pair has this one
-};
 
 /* True when the figures are printed for readers. */
 static bool prints(const struct run *r)
@@ -393,15 +370,15 @@ static void report_pair(struct run *r, int result, const char *why)
 /* Writes a picture of the frame, once. */
 static gp_status draw(struct run *r, int which)
 {
-    char *const name = gp_pattern_name(&r->picture[which], r->row.frame, NULL);
-    if (!name)
-        return gp_no_memory(r->log, r->wanted[which]);
+    const struct glarepp_rect w = r->row.facts->window;
+    struct gp_frame f =
+        gp_frame_blank((struct gp_rect) {w.x0, w.y0, w.x1, w.y1});
+    f.path = gp_pattern_name(&r->picture[which], r->row.frame, NULL);
     const gp_status st =
-        which == HEATMAP
-            ? draw_flip(r->log, &r->write, name, &r->row)
-            : draw_difference(r->log, &r->write, name, &r->row,
-                                         &r->s->compare);
-    free(name);
+        !f.path            ? gp_no_memory(r->log, r->wanted[which])
+        : which == HEATMAP ? draw_flip(r, &f)
+                           : draw_difference(r, &f);
+    gp_frame_free(&f);
     r->drawn[which] = !st;
     return st;
 }
@@ -549,11 +526,10 @@ static gp_status compare_frame(struct run *r, int frame)
 /* Checks that no picture replaces a compared file or another output. */
 static gp_status check_names(const struct run *r)
 {
-    gp_status st;
-    struct gp_output_guard c;
+    gp_status st = GP_OK;
+    struct gp_output_guard c = {.log = r->log, .s = r->s};
     char *name = NULL;
     const int n = gp_max(r->frames.n, 1);
-    GP_TRY(gp_output_guard_begin(r->log, r->s, &c));
     for (int i = 0; i < 4 * n; i++) { // the pictures of all, then the inputs
         const bool input = i >= 2 * n;
         const struct gp_pattern *const p = input ? &r->in[i % 2]
@@ -663,6 +639,7 @@ int gp_compare_command(const struct gp_log *log, struct glarepp *gp,
     if (!s->output.no_provenance && (r.wanted[0] || r.wanted[1]))
         GP_TRY(gp_command_text(log, s, s->input.files.at, s->input.files.n, &command));
     r.write.command = command;
+    r.write.dither = GP_DITHER_NEVER; // equal values become equal codes
     r.json = json ? open_memstream(&text, &size) : NULL;
     if (json && !r.json)
         GP_TRY(gp_no_memory(log, json));

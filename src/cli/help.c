@@ -95,24 +95,19 @@ static bool print_group(FILE *f, int group, unsigned commands)
 {
     const struct gp_option_heading *const head = &gp_option_groups[group];
     const char *const words = head->example + strlen("glarepp ");
-    bool headed = false, shown = false;
+    const struct gp_command_row *own = gp_commands + 1; // of the example
+    bool headed = false;
+    while (own->word && strncmp(words, own->word, strlen(own->word)) != 0)
+        own++;
+    own = !own->word || own->bit == GP_COMMAND_HELP ? gp_commands : own;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         if ((int) o->group != group || o->hidden || !(o->commands & commands))
             continue;
         if (!headed)
             fprintf(f, "%s\n", head->title);
+        if (!headed && (commands & own->bit))
+            fprintf(f, "    %s\n", head->example);
         headed = true;
-        // print the example only for its own command (help: for the main one)
-        for (const struct gp_command_row *c = gp_commands; c->word && !shown;
-             c++) {
-            const size_t n = strlen(c->word);
-            shown = (commands & c->bit) &&
-                    (c == gp_commands
-                         ? *words == '-' || strncmp(words, "help ", 5) == 0
-                         : strncmp(words, c->word, n) == 0 && words[n] == ' ');
-            if (shown)
-                fprintf(f, "    %s\n", head->example);
-        }
         print_option(f, o);
     }
     return headed;
@@ -148,7 +143,7 @@ void gp_help(FILE *f, enum gp_command command)
 /* Sections of the man page that are topics: their words and heading. Check-man
  * compares them with the page. */
 static const struct section {
-    const char *word, *more, *title;
+    const char *word, *more, *title; // the word is "" beside a group's
 } sections[] = {
     {"sequences", "", "Sequences"},
     {"views", "", "Views"},
@@ -156,14 +151,14 @@ static const struct section {
      "Layers, parts, stereo and Cryptomatte"},
     {"farms", "pipes", "Pipes and farms"},
     {"numbers", "", "What the numbers mean"},
-    {"kernels", "", "Kernels"},
-    {"lights", "suns lamps flare", "Suns, lamps and lens flare"},
-    {"measuring", "speed error", "Measuring speed against error"},
-    {"comparing", "images", "Comparing images"},
+    {"", "kernels", "Kernels"},
+    {"", "lights suns lamps flare", "Suns, lamps and lens flare"},
+    {"", "measuring speed error", "Measuring speed against error"},
+    {"", "comparing images", "Comparing images"},
     {"completions", "", "Help and completions"},
-    {"report", "", "THE REPORT"},
+    {"", "report", "THE REPORT"},
     {"environment", "", "ENVIRONMENT"},
-    {"files", "", "FILES"},
+    {"", "files", "FILES"},
     {"status", "exit", "EXIT STATUS"},
     {"examples", "", "EXAMPLES"},
     {"diagnostics", "", "DIAGNOSTICS"},
@@ -194,14 +189,6 @@ static bool is_topic(const char *topic, const char *words)
     return false;
 }
 
-static bool is_group(const char *word)
-{
-    int g = 0;
-    while (g < GP_GROUPS && strcmp(gp_option_groups[g].word, word) != 0)
-        g++;
-    return g < GP_GROUPS;
-}
-
 /* Finds the i-th topic; false after the last. */
 static bool topic_at(int i, struct topic *t)
 {
@@ -223,7 +210,7 @@ static bool topic_at(int i, struct topic *t)
     }
     for (const struct section *k = sections; k < sections + SECTIONS; k++) {
         *t = (struct topic) {SECTION, k->word, k->title, 0};
-        if (!is_group(k->word) && i-- == 0)
+        if (*k->word && i-- == 0)
             return true;
     }
     return false;

@@ -1,6 +1,5 @@
 #include "cli/jobs.h"
 
-#include "cli/output_guard.h"
 #include "core/memory.h"
 #include "io/file.h"
 
@@ -12,26 +11,24 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* True when some output is a pattern. */
-static bool has_place(const struct gp_jobs *j)
-{
-    for (int i = 0; i < j->targets; i++) {
-        if (j->target[i].name.len)
-            return true;
-    }
-    return false;
-}
-
 /* True for --views all, and without --views. */
 static bool views_all(const struct gp_settings *s)
 {
     return !s->input.views || strcmp(s->input.views, "all") == 0;
 }
 
-static gp_status too_many(const struct gp_log *log, const char *path)
+/* Makes room for `frames` frames of that many jobs; `path` for messages. */
+static gp_status make_room(const struct gp_log *log, struct gp_jobs *j,
+                           int frames, int jobs, const char *path)
 {
-    return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
-                   "them in several runs", path, GP_FRAME_LIST_MAX);
+    void *block = j->job;
+    if (frames > GP_FRAME_LIST_MAX / jobs)
+        return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
+                       "them in several runs", path, GP_FRAME_LIST_MAX);
+    const gp_status st = gp_resize(log, "frame list", (size_t) frames *
+                                   (size_t) jobs * sizeof *j->job, &block);
+    j->job = block;
+    return st;
 }
 
 // -- frames ------------------------------------------------------------------
@@ -41,27 +38,17 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
                            const struct gp_pattern *p, bool numbered, int frame)
 {
     const int views = gp_jobs_of_frame(j);
-    if (j->n > GP_FRAME_LIST_MAX - views)
-        return too_many(log, p->path);
-    for (int i = 0; i < views; i++) {
+    const gp_status st = make_room(log, j, j->n / views + 1, views, p->path);
+    for (int i = 0; i < views && !st; i++) {
         const char *const view = j->view.n ? j->view.name[i] : NULL;
         char *const input = i && j->views > 1 ? j->job[j->n - 1].input
                                               : gp_pattern_name(p, frame, view);
-        struct gp_job *grown = NULL;
-        if (input) // doubles at powers of two
-            grown = (j->n & (j->n - 1)) ? j->job
-                    : realloc(j->job, (size_t) (j->n ? 2 * j->n : 1) *
-                                          sizeof *grown);
-        if (!grown) {
-            if (!i || j->views == 1)
-                gp_free(input);
+        if (!input)
             return gp_no_memory_bare(log, "frame list");
-        }
-        j->job = grown;
         j->job[j->n++] = (struct gp_job) {
             input, numbered, frame, view, false};
     }
-    return GP_OK;
+    return st;
 }
 
 /* Lists the frames of a pattern: those of --frames, else those on disk; with
@@ -95,6 +82,9 @@ static gp_status add_inputs(const struct gp_log *log,
     gp_status st;
     struct gp_pattern *in;
     struct gp_frames f = {0};
+    bool place = false; // some output is a pattern
+    for (int i = 0; i < j->targets; i++)
+        place = place || j->target[i].name.len;
     GP_TRY(gp_alloc_zero(log, "input list", (size_t) s->input.files.n,
                          sizeof *in, &in));
     for (int i = 0; i < s->input.files.n; i++) {
@@ -144,7 +134,7 @@ static gp_status add_inputs(const struct gp_log *log,
         if (gp_is_dash(p->path)) { // one frame until stdin is read
             if (s->input.frames)
                 GP_TRY(gp_frames_parse(log, s->input.frames, &f));
-            GP_TRY(add_frame(log, j, p, has_place(j) || s->input.frames,
+            GP_TRY(add_frame(log, j, p, place || s->input.frames,
                              f.n ? f.number[0] : 1));
         } else if (p->len) {
             GP_TRY(list_frames(log, s, p, &j->view, &f));
@@ -155,8 +145,7 @@ static gp_status add_inputs(const struct gp_log *log,
                            "(found a plain name); write shot.####.exr, or "
                            "leave --frames out", p->path));
         } else {
-            const bool numbered =
-                has_place(j) && gp_frame_number(p->path, &frame);
+            const bool numbered = place && gp_frame_number(p->path, &frame);
             GP_TRY(add_frame(log, j, p, numbered, frame));
         }
         gp_frames_free(&f);
@@ -176,17 +165,12 @@ static gp_status read_stdin(const struct gp_log *log,
     if (st)
         return st;
     const int frames = j->members.n;
-    if (frames > GP_FRAME_LIST_MAX / j->views)
-        return too_many(log, "-");
     const int n = frames * j->views;
-    struct gp_job *grown = realloc(j->job, (size_t) n * sizeof *grown);
-    if (!grown)
-        return gp_no_memory_bare(log, "frame list");
-    j->job = grown;
-    for (; j->n < n; j->n++) // all have the first one's views
-        grown[j->n] = (struct gp_job) {.view = grown[j->n % j->views].view};
     struct gp_frames f = {0};
-    if (s->input.frames)
+    st = make_room(log, j, frames, j->views, "-");
+    for (; j->n < n && !st; j->n++) // all have the first one's views
+        j->job[j->n] = (struct gp_job) {.view = j->job[j->n % j->views].view};
+    if (!st && s->input.frames)
         st = gp_frames_parse(log, s->input.frames, &f);
     if (!st && s->input.frames && f.n != frames)
         st = gp_fail(log, GP_ERR_USAGE, "-: stdin has %d frame%s, --frames %s "
@@ -220,19 +204,15 @@ static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
     const int n = found->n;
     j->view = *found;
     *found = (struct gp_views) {0};
-    if (j->n > GP_FRAME_LIST_MAX / n)
-        return too_many(log, j->job[0].input);
-    struct gp_job *const grown =
-        realloc(j->job, (size_t) j->n * (size_t) n * sizeof *grown);
-    if (!grown)
-        return gp_no_memory_bare(log, "frame list");
-    j->job = grown;
+    const gp_status st = make_room(log, j, j->n, n, j->job[0].input);
+    if (st)
+        return st;
     j->n *= n;
     j->views = n;
     j->views_inside = true;
     for (int i = j->n - 1; i >= 0; i--) {
-        grown[i] = grown[i / n];
-        grown[i].view = j->view.name[i % n];
+        j->job[i] = j->job[i / n];
+        j->job[i].view = j->view.name[i % n];
     }
     return GP_OK;
 }
@@ -478,9 +458,8 @@ gp_status gp_jobs_check_names(
     const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *j, const char *const *also, int n)
 {
-    gp_status st;
-    struct gp_output_guard c;
-    GP_TRY(gp_output_guard_begin(log, s, &c));
+    gp_status st = GP_OK;
+    struct gp_output_guard c = {.log = log, .s = s};
     for (int t = 0; t < j->targets; t++) {
         const struct gp_output *const target = &j->target[t];
         const struct gp_pattern *const p = &target->name;

@@ -68,25 +68,12 @@ struct gp_jobs {
                                // without stdin
 };
 
-/* Expands the inputs and checks every name that the command line gives:
- *
- *   - a pattern means the frames of --frames, or those on disk
- *   - %V and %v in inputs are the views of --views, or left,right: a file for
- *     each. Without them, --views are parts or channels of each file: `views`
- *     jobs for it. One run cannot have both
- *   - without --views, or with --views all, the views are those of the first
- *     regular file or of stdin's first image, if an output has a place for
- *     several; one line names them. Outputs without %V or %v then hold the
- *     first: `hero`
- *   - with several views, --hdr without %V or %v holds all: it is `whole`;
- *     other outputs than `-` need %V or %v
- *   - several frames need patterns or `-` for all outputs, and for patterns a
- *     number: the input pattern's, or the last in a plain name
- *   - after all other checks, stdin is read to its end: each image in it is a
- *     frame, numbered by --frames or from 1
- *   - no file is written twice, or read and written
- *   - every frame of --frames exists, and every view of a frame, unless
- *     --skip-bad-frames is given or gp_job_complete() is true for it
+/* Expands the inputs and checks every name that the command line gives, as
+ * man/sequences.md says. %V and %v in inputs are a file for
+ * each view; without them the views of --views, or of the first file, are parts
+ * or channels of each file: `views` jobs for it. Outputs without a place for a
+ * view are `whole` or `hero` then. After all other checks, stdin is read to its
+ * end: each image in it is a frame.
  *
  *   s    borrowed by *out
  *   out  written only on GP_OK; free with gp_jobs_free()
@@ -121,9 +108,49 @@ GP_MUST_CHECK gp_status gp_job_beside(const struct gp_log *log,
 bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
                      const struct gp_job *job);
 
+/* Checks that no output of a run replaces an input or another output, before
+ * the first file is opened.
+ *
+ * Files are compared by identity: files that exist by device and inode, files
+ * to be made by those of their folder and their name in it. Pipes and devices
+ * lose nothing by being written and may be given any number of times. So may
+ * descriptors (stdout, /dev/fd/N), unless they are of a file that is read; `-`
+ * may be given once.
+ *
+ * It starts as {.log, .s}, and is ended after a failure too. All outputs are added first, then gp_output_guard_settle(), then inputs. */
+struct gp_output_guard {
+    const struct gp_log *log;
+    const struct gp_settings *s;
+    struct output *file;          // owned
+    size_t n;
+    bool exists;                  // some output exists: it may be an input
+};
+
+/* Adds an output: the option `what` with its value `as`, which may be a
+ * pattern, made of the input `of` (NULL: the only one); `as` and `of` are
+ * borrowed. */
+GP_MUST_CHECK gp_status gp_output_guard_add(struct gp_output_guard *c,
+    const char *path, const char *what, const char *as, const char *of);
+
+/* Adds the files that options with plain names write. Compares all outputs with
+ * each other, and with the files that options with plain names read.
+ * Errors: GP_ERR_USAGE names the first that is given twice, or is read. */
+GP_MUST_CHECK gp_status gp_output_guard_settle(struct gp_output_guard *c);
+
+/* Compares the outputs with a file that is read, of the option `what`; `-` is
+ * stdin. Errors: GP_ERR_USAGE an output would replace it. */
+GP_MUST_CHECK gp_status gp_output_guard_input(const struct gp_output_guard *c,
+                                         const char *what, const char *path);
+
+void gp_output_guard_end(struct gp_output_guard *c);
+
+/* All of it, for a command whose outputs have plain names.
+ *   path  of its input, NULL: none */
+GP_MUST_CHECK gp_status gp_output_guard_check(const struct gp_log *log,
+    const struct gp_settings *s, const char *what, const char *path);
+
 /* Checks that the run writes no file twice, and none that it reads, as the `n`
- * of `also`, which another file names (output_guard.h). Errors:
- * GP_ERR_USAGE. */
+ * of `also`, which another file names. Errors: GP_ERR_USAGE. */
 GP_MUST_CHECK gp_status gp_jobs_check_names(
     const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *j, const char *const *also, int n);

@@ -194,13 +194,10 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
 
 // -- files of glarepp kernel --------------------------------------------------
 
-struct gp_recipe_name gp_recipe_name(int i)
-{
-    struct gp_recipe_name name;
-    snprintf(name.text, sizeof name.text,
-             i ? "glarepp:recipe%d" : "glarepp:recipe", i + 1);
-    return name;
-}
+const char *const gp_recipe_names[GP_KERNEL_RECIPES] = {
+    "glarepp:recipe", "glarepp:recipe2", "glarepp:recipe3", "glarepp:recipe4",
+    "glarepp:recipe5", "glarepp:recipe6", "glarepp:recipe7", "glarepp:recipe8",
+};
 
 /* Reads a number in [lo, hi] that a kernel's file has as text. */
 static bool read_number(const struct gp_frame *f, const char *name, double lo,
@@ -244,8 +241,7 @@ static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
     for (int i = 0; i < GP_KERNEL_RECIPES && !st; i++) {
         struct glarepp_kernel_params p = GLAREPP_KERNEL_PARAMS;
         struct glarepp_kernel *k;
-        const struct gp_recipe_name name = gp_recipe_name(i);
-        char *const text = gp_frame_text(f, name.text);
+        char *const text = gp_frame_text(f, gp_recipe_names[i]);
         const char *const word[] = {text};
         if (!text)
             break;
@@ -255,7 +251,8 @@ static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
         st = (gp_status) glarepp_kernel(quiet, &p, &k);
         if (st)
             st = gp_fail(log, st == GP_ERR_BUG ? st : GP_ERR_DATA,
-                         "%s: %s: %s", f->path, name.text, glarepp_error()->text);
+                         "%s: %s: %s", f->path, gp_recipe_names[i],
+                         glarepp_error()->text);
         else
             *share += glarepp_kernel_share(k);
         glarepp_kernel_end(&k);
@@ -270,7 +267,7 @@ gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
 {
     const struct glarepp_params params = {.size = sizeof params, .threads = 1};
     struct glarepp *quiet = NULL;
-    char *const first = gp_frame_text(f, gp_recipe_name(0).text);
+    char *const first = gp_frame_text(f, gp_recipe_names[0]);
     *out = first ? read_label(f) : (struct glarepp_label) {.present = false};
     if (!first)
         return GP_OK;

@@ -27,13 +27,10 @@ struct glarepp_image gp_decoded_of(const struct gp_frame *f,
 struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
                                                const struct gp_frame *f);
 
-/* The name of the i-th recipe's attribute in a file of glarepp kernel:
- * glarepp:recipe, glarepp:recipe2. glare/model/README.md has the others. */
+/* Names of the recipes' attributes in a file of glarepp kernel;
+ * glare/model/README.md has the others. */
 enum { GP_KERNEL_RECIPES = 8 };
-struct gp_recipe_name {
-    char text[24];
-};
-struct gp_recipe_name gp_recipe_name(int i);
+extern const char *const gp_recipe_names[GP_KERNEL_RECIPES];
 
 /* Reads what the file of a kernel says of it; all 0 where it is not by glarepp
  * kernel. Errors: GP_ERR_DATA a recipe that this program does not know. */

@@ -39,41 +39,33 @@ static void print_line(void *user, const struct gp_line *line)
         fprintf(stderr, "%s\n", whole);
 }
 
-/* Prints the installed flares to stdout, one a line. */
-static gp_status list_flares(const struct gp_log *log, struct glarepp *gp)
-{
-    const char *name = glarepp_name(gp, GLAREPP_FLARES, 0, NULL);
-    if (!name)
-        return gp_fail(log, GP_ERR_IO, "preset:list: no flares beside the "
-                       "program; install it whole, or name their folder's "
-                       "parent in GLAREPP_EXAMPLES");
-    for (int i = 0; (name = glarepp_name(gp, GLAREPP_FLARES, i, NULL)); i++)
-        puts(name);
-    return GP_OK;
-}
-
 /* Prints help, versions, the table or flares to stdout. */
 static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
                             const struct gp_settings *s)
 {
     gp_status st = GP_OK;
     char io[256];
+    const char *name;
+    const char *const help = s->words.help;
     if (s->command == GP_COMMAND_HELP)
         st = gp_help_topic(log, stdout,
                            s->input.files.n ? s->input.files.at[0] : NULL);
-    else if (s->words.help && s->words.help[0] &&
-             strcmp(s->words.help, "all") != 0)
-        st = gp_help_topic(log, stdout, s->words.help);
-    else if (s->words.help && !s->words.help[0] &&
-             s->command == GP_COMMAND_MAIN)
+    else if (help && *help && strcmp(help, "all") != 0)
+        st = gp_help_topic(log, stdout, help);
+    else if (help && !*help && s->command == GP_COMMAND_MAIN)
         gp_help_screen(stdout);
-    else if (s->words.help)
+    else if (help)
         gp_help(stdout, s->command);
     else if (s->words.help_table)
         gp_help_table(stdout);
-    else if (s->words.list_flares)
-        st = list_flares(log, gp);
-    else {
+    else if (s->words.list_flares) {
+        if (!glarepp_name(gp, GLAREPP_FLARES, 0, NULL))
+            return gp_fail(log, GP_ERR_IO, "preset:list: no flares beside the "
+                           "program; install it whole, or name their folder's "
+                           "parent in GLAREPP_EXAMPLES");
+        for (int i = 0; (name = glarepp_name(gp, GLAREPP_FLARES, i, NULL)); i++)
+            puts(name);
+    } else {
         gp_io_versions(io, sizeof io);
         printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
                "needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
@@ -153,29 +145,21 @@ static gp_status run_command(const struct gp_log *log, struct glarepp *gp,
                              int *status, bool *differs)
 {
     if (s->words.help || s->words.help_table || s->words.version ||
-        s->words.list_flares)
+        s->words.list_flares || s->command == GP_COMMAND_HELP)
         return print_text(log, gp, s);
     gp_environment_set_gl(gp_threads()); // while there is one thread
-    switch (s->command) {
-    case GP_COMMAND_HELP:
-        return print_text(log, gp, s);
-    case GP_COMMAND_BENCH:
-        return gp_bench_command(log, gp, s);
-    case GP_COMMAND_COMPARE:
+    if (s->command == GP_COMMAND_MAIN)
+        return make_frames(log, gp, voice, s);
+    if (s->command == GP_COMMAND_COMPARE) {
         *status = gp_compare_command(log, gp, s);
         return GP_OK;
-    case GP_COMMAND_KERNEL:
-        return gp_kernel_command(log, gp, s, differs);
-    case GP_COMMAND_SETS:
-        return gp_sets_command(log, gp, s, differs);
-    case GP_COMMAND_STYLES:
-        return gp_styles_command(log, gp, s);
-    case GP_COMMAND_LENS:
-        return gp_lens_command(log, gp, s, differs);
-    case GP_COMMAND_MAIN:
-        break;
     }
-    return make_frames(log, gp, voice, s);
+    gp_command_run *const run =
+        s->command == GP_COMMAND_BENCH    ? gp_bench_command
+        : s->command == GP_COMMAND_KERNEL ? gp_kernel_command
+        : s->command == GP_COMMAND_LENS   ? gp_lens_command
+        : s->command == GP_COMMAND_SETS   ? gp_sets_command : gp_styles_command;
+    return run(log, gp, s, differs);
 }
 
 int main(int argc, char *argv[])

@@ -556,9 +556,6 @@ const struct gp_option gp_options[] = {
     {0},
 };
 
-_Static_assert(sizeof gp_options / sizeof *gp_options <=
-               8 * sizeof gp_defaults.words.given, "a bit for each option");
-
 // -- rows of the table -------------------------------------------------------
 
 const char *gp_option_value(const struct gp_option *o, int i, const char **text)
@@ -600,9 +597,11 @@ const struct gp_option *gp_option_find(const char *name, size_t length)
 
 bool gp_option_given(const struct gp_settings *s, const char *name)
 {
-    const struct gp_option *const o = gp_option_find(name, strlen(name));
-    const size_t i = o ? (size_t) (o - gp_options) : 0;
-    return o && (s->words.given[i / 64] >> i % 64 & 1);
+    const struct gp_texts *const given = &s->words.options;
+    int i = 0;
+    while (i < given->n && strcmp(given->at[i], name) != 0)
+        i += 2;
+    return i < given->n;
 }
 
 const struct gp_option_choice *gp_option_chosen(const struct gp_option *o,

@@ -157,7 +157,6 @@ struct gp_word_settings {
     const char **all;                  // those of all lists; owned
     struct gp_texts options;           // name and value (NULL: takes none) of
                                        // each option given, in turn
-    uint64_t given[4];                 // a bit for each option of the table
     const char *help;                  // topic, "" without one; NULL: no --help
     bool help_table, version;
     bool list_flares;                  // print their names, nothing else

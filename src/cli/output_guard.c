@@ -1,4 +1,4 @@
-#include "cli/output_guard.h"
+#include "cli/jobs.h"
 
 #include "core/memory.h"
 #include "io/file.h"
@@ -19,42 +19,23 @@ struct output {
     bool open;            // a descriptor, which may be given several times
     size_t order;
     char *name;           // of the file, as written; owned
-    const char *what, *as, *of; // as given
+    char what[24];        // the option
+    const char *as, *of;  // as given
 };
 
-/* Options with one file name; files of a pattern are added by the caller. */
-static const struct single {
-    const char *what;
-    size_t at;  // of its const char * in struct gp_settings
-    bool written;
-} singles[] = {
-#define SINGLE(f, what, written)                                              \
-    {what, offsetof(struct gp_settings, f), written}
-    SINGLE(run.report, "--report", true),
-    SINGLE(bench.csv, "--csv", true),
-    SINGLE(bench.json, "--json", true),
-    SINGLE(bench.plot, "--plot", true),
-    SINGLE(making.draw, "--draw", true),
-    SINGLE(sun.p.cameras, "--camera", false),
-    SINGLE(sun.p.file, "--lights", false),
-    SINGLE(sun.p.flare, "--flare", false),
-    SINGLE(scene.path, "--scene", false),
-    SINGLE(lens.lens, "--lens", false),
-    SINGLE(sun.depth_file, "--depth-file", false),
-    SINGLE(sun.mask_file, "--mask-file", false),
-    SINGLE(tone.map.config, "--ocio", false),
-};
-enum { SINGLES = sizeof singles / sizeof singles[0] };
-
-/* Returns the file of an option, or NULL when it is not given. */
-static const char *single_name(const struct gp_settings *s, int i)
+/* Returns the one file that an option writes, or reads; NULL when there is none.
+ * (Files of a pattern are added by the caller.) */
+static const char *file_of(const struct gp_settings *s,
+                           const struct gp_option *o, bool written)
 {
     const char *name;
-    memcpy(&name, (const char *) s + singles[i].at, sizeof name);
-    const bool config = strcmp(singles[i].what, "--ocio") == 0;
-    if (name && config && (!*name || strcmp(name, "env") == 0))
-        return getenv("OCIO");
-    return name;
+    const bool config = o->at == offsetof(struct gp_settings, tone.map.config);
+    if (o->kind != GP_KIND_TEXT || !(config || strstr(o->arg, "FILE")) ||
+        o->once != written || (o->aside && !written))
+        return NULL;
+    memcpy(&name, (const char *) s + o->at, sizeof name);
+    return name && config && (!*name || strcmp(name, "env") == 0)
+               ? getenv("OCIO") : name;
 }
 
 // -- files that are still to be made -----------------------------------------
@@ -106,15 +87,12 @@ static gp_status find_place(const struct gp_log *log, const char *path,
 
 static gp_status append(struct gp_output_guard *c, struct output file)
 {
-    if ((c->n & (c->n - 1)) == 0) { // doubles at powers of two
-        void *block = c->file;
-        const gp_status st = gp_resize(c->log, "output list",
-                                       (c->n ? 2 * c->n : 1) * sizeof file,
-                                       &block);
-        if (st)
-            return st;
-        c->file = block;
-    }
+    void *block = c->file;
+    const gp_status st = gp_resize(c->log, "output list",
+                                   (c->n + 1) * sizeof file, &block);
+    if (st)
+        return st;
+    c->file = block;
     file.order = c->n;
     file.name = gp_strdup(file.name);
     if (!file.name)
@@ -126,11 +104,12 @@ static gp_status append(struct gp_output_guard *c, struct output file)
 gp_status gp_output_guard_add(struct gp_output_guard *c, const char *path,
                               const char *what, const char *as, const char *of)
 {
-    struct output file = {.name = (char *) (uintptr_t) path, .what = what,
-                          .as = as, .of = of};
+    struct output file = {.name = (char *) (uintptr_t) path, .as = as,
+                          .of = of};
     struct stat info;
     bool exists, link = false;
     gp_status st = GP_OK;
+    snprintf(file.what, sizeof file.what, "%s", what);
     if (gp_is_dash(path)) { // `-` itself, and the file that stdout may be
         file.tail = 1; // no folder has device 0 and node 0
         st = append(c, file);
@@ -160,19 +139,6 @@ gp_status gp_output_guard_add(struct gp_output_guard *c, const char *path,
     st = find_place(c->log, end ? end : path, &file);
     gp_free(end);
     return st ? st : append(c, file);
-}
-
-gp_status gp_output_guard_begin(const struct gp_log *log,
-    const struct gp_settings *s, struct gp_output_guard *out)
-{
-    gp_status st = GP_OK;
-    *out = (struct gp_output_guard) {.log = log, .s = s};
-    for (int i = 0; i < SINGLES && !st; i++) {
-        const char *const name = single_name(s, i);
-        if (name && singles[i].written)
-            st = gp_output_guard_add(out, name, singles[i].what, name, NULL);
-    }
-    return st;
 }
 
 void gp_output_guard_end(struct gp_output_guard *c)
@@ -207,6 +173,13 @@ gp_status gp_output_guard_settle(struct gp_output_guard *c)
 {
     const struct output *first = NULL;
     gp_status st = GP_OK;
+    char what[24];
+    for (const struct gp_option *o = gp_options; o->name && !st; o++) {
+        const char *const name = file_of(c->s, o, true);
+        snprintf(what, sizeof what, "--%s", o->name);
+        if (name)
+            st = gp_output_guard_add(c, name, what, name, NULL);
+    }
     if (c->n)
         qsort(c->file, c->n, sizeof *c->file, by_file_and_order);
     for (size_t i = 1; i < c->n; i++) {
@@ -216,7 +189,7 @@ gp_status gp_output_guard_settle(struct gp_output_guard *c)
         if (same && (!first || file->order < first->order))
             first = file;
     }
-    if (first) {
+    if (first && !st) {
         const struct output x = first[-1], y = first[0];
         st = gp_fail(c->log, GP_ERR_USAGE, "%s: given for two outputs (%s "
             "%s%s%s and %s %s%s%s); %s", x.name, x.what, x.as,
@@ -229,10 +202,11 @@ gp_status gp_output_guard_settle(struct gp_output_guard *c)
         if (glarepp_kernel_path(c->s->kernel.words.at[i], path, sizeof path))
             st = gp_output_guard_input(c, "--kernel", path);
     }
-    for (int i = 0; i < SINGLES && !st; i++) {
-        const char *const name = single_name(c->s, i);
-        if (name && !singles[i].written)
-            st = gp_output_guard_input(c, singles[i].what, name);
+    for (const struct gp_option *o = gp_options; o->name && !st; o++) {
+        const char *const name = file_of(c->s, o, false);
+        snprintf(what, sizeof what, "--%s", o->name);
+        if (name)
+            st = gp_output_guard_input(c, what, name);
     }
     return st;
 }
@@ -257,8 +231,8 @@ gp_status gp_output_guard_check(const struct gp_log *log,
     const struct gp_settings *s, const char *what, const char *path)
 {
     const struct gp_texts *const pictures = &s->output.pictures;
-    struct gp_output_guard c;
-    gp_status st = gp_output_guard_begin(log, s, &c);
+    struct gp_output_guard c = {.log = log, .s = s};
+    gp_status st = GP_OK;
     for (int i = 0; i < pictures->n && !st; i++)
         st = gp_output_guard_add(&c, pictures->at[i], "-o", pictures->at[i],
                                  NULL);

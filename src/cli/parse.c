@@ -350,12 +350,10 @@ static gp_status read_option(const struct gp_log *log, int argc,
         u.value = next;
     }
     void *const field = (char *) s + u.option->at;
-    const size_t row = (size_t) (u.option - gp_options);
     if (u.option->once && gp_option_given(s, name))
         return gp_fail(log, GP_ERR_USAGE, "--%s: given twice (found %s and "
                        "%s); give one file", name, *(const char **) field,
                        u.value);
-    s->words.given[row / 64] |= UINT64_C(1) << row % 64;
     s->words.options.at[s->words.options.n++] = name;
     s->words.options.at[s->words.options.n++] = u.value;
     return set_value(&u, field);

@@ -27,6 +27,7 @@ struct unit {
     struct gp_frame_state *view; // jobs->views of them, owned
     int begun;                   // of these
     bool kept;                   // skipped: all its outputs exist
+    size_t bytes;                // that it takes; 0 before it is read
 };
 
 /* Several units are in flight: while one is computed, others are read and
@@ -198,9 +199,10 @@ static gp_status run_phase(struct pipeline *p, int unit, enum gp_phase phase)
                                       &u->view[u->begun]);
     }
     for (int v = 0; v < u->begun && !st; v++) {
+        struct gp_cost_facts *const cost = &u->view[v].facts.cost;
         st = run_view(p, &u->view[v], phase);
         if (phase == GP_PHASE_READ)
-            u->view[v].facts.cost.bytes = frame_bytes(p, &u->view[v]);
+            u->bytes += cost->bytes = frame_bytes(p, &u->view[v]);
     }
     return st;
 }
@@ -213,6 +215,7 @@ static void free_unit(struct unit *u)
         gp_frame_state_end(&u->view[--u->begun]);
     gp_frame_log_close(&u->log);
     u->kept = false;
+    u->bytes = 0;
     u->state = FREE;
 }
 
@@ -286,15 +289,6 @@ static bool has_room(const struct pipeline *p, int in_flight)
                                   (size_t) (in_flight + 1 + SHARED));
 }
 
-/* Notes what a unit takes. */
-static void measure_unit(struct pipeline *p, const struct unit *u)
-{
-    size_t bytes = 0;
-    for (int v = 0; v < u->begun; v++)
-        bytes += u->view[v].facts.cost.bytes;
-    p->largest = bytes > p->largest ? bytes : p->largest;
-}
-
 /* Chooses the next phase of a thread; false when there is none. Writing comes
  * before reading: it frees what the unit holds. */
 static bool pick_phase(struct pipeline *p, bool first_thread, int *unit,
@@ -361,7 +355,7 @@ static void run_phases(struct pipeline *p, bool first_thread)
         pthread_mutex_unlock(&p->lock);
         u->st = run_phase(p, unit, phase);
         pthread_mutex_lock(&p->lock);
-        measure_unit(p, u);
+        p->largest = u->bytes > p->largest ? u->bytes : p->largest;
         u->state = u->st ? DONE : next[phase];
         if (u->st && unit < p->limit && !can_skip(p, u, u->st))
             p->limit = unit;

@@ -50,15 +50,6 @@ struct gp_read_facts {
     struct gp_rect file;         // data window of the file
 };
 
-/* Of light that --max-value and the types of outputs removed. */
-struct gp_clamp_facts {
-    struct {
-        long long pixels;        // of the input over --max-value
-        long long values;        // that an output's type cannot hold
-    } n;
-    double flux[3];              // by channel
-};
-
 /* What says where a light in the frame is hidden: how near its share is. */
 enum gp_edges {
     GP_EDGES_NONE, // no light is in the frame, or nothing hides any
@@ -70,9 +61,9 @@ enum gp_edges {
 /* Of what hides lights. */
 struct gp_occluder_facts {
     enum gp_edges edges;
-    char *depth;                 // channel, owned, or NULL
+    const char *depth;           // channel, or NULL
     const char *depth_type;      // NULL: the frame has light
-    char *mask;                  // coverage channel, owned, or NULL
+    const char *mask;            // coverage channel, or NULL
 };
 
 /* Of the files written. */
@@ -105,7 +96,8 @@ struct gp_frame_report {
     bool dark;                   // glare was wanted, no pixel is a source
     bool bounded;                // the next is known
     double bound;                // of rel_l2, with what a lens leaves out
-    struct gp_clamp_facts clamp;
+    long long clamped_out;       // values that an output's type cannot hold
+    double flux_clamped[3];      // by these and --max-value, by channel
     struct gp_occluder_facts hidden;
     const struct glarepp_plan_facts *ocio; // NULL: tone mapped
     struct gp_write_facts write;

@@ -62,8 +62,6 @@ void gp_frame_state_end(struct gp_frame_state *fs)
         free(f->write.file[i].name);
     gp_free(f->write.file);
     free(f->job.command);
-    gp_free(f->hidden.depth);
-    gp_free(f->hidden.mask);
     *fs = (struct gp_frame_state) {0};
 }
 
@@ -144,8 +142,9 @@ static gp_status name_depth(const struct gp_run *r, struct gp_frame_state *fs)
     struct gp_occluder_facts *const facts = &fs->facts.hidden;
     enum gp_pixel_type type;
     const gp_status st = gp_name_depth(asked ? log : NULL, &fs->file, asked,
-                                       &facts->depth, &type);
-    if (!st && facts->depth)
+                                       &fs->depth.name, &type);
+    facts->depth = st ? NULL : fs->depth.name;
+    if (facts->depth)
         facts->depth_type = types[type];
     if (st == GP_ERR_BUG && !asked)
         return gp_no_memory(log, fs->job->input);
@@ -194,12 +193,16 @@ out:
 
 // -- planes beside the colour: depth, coverage, normals, albedo ---------------
 
-/* Reads a plane from a file of its own, whose name may be a pattern. */
+/* Reads a plane from a file of its own, whose name may be a pattern, or without
+ * a path from the frame's. */
 static gp_status read_beside(const struct gp_settings *s,
     const struct gp_frame_state *fs, const char *path, const char *channel,
     bool depth, struct gp_plane *out)
 {
     char *name;
+    if (!path)
+        return gp_read_plane(fs->log, &s->input.read, &fs->file, channel, depth,
+                             out);
     gp_status st = gp_job_beside(fs->log, fs->job, path, &name);
     if (st)
         return st;
@@ -213,11 +216,8 @@ static gp_status read_depth(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
     return fs->depth.v ? GP_OK
-           : s->sun.depth_file
-               ? read_beside(s, fs, s->sun.depth_file, s->input.depth, true,
-                             &fs->depth)
-               : gp_read_plane(fs->log, &s->input.read, &fs->file,
-                               s->input.depth, true, &fs->depth);
+                       : read_beside(s, fs, s->sun.depth_file, s->input.depth,
+                                     true, &fs->depth);
 }
 
 /* Gives `n` planes to the library, if they are there.
@@ -237,21 +237,15 @@ static gp_status give(struct gp_frame_state *fs, enum glarepp_view view,
 
 gp_status gp_run_occluders(const struct gp_run *r, struct gp_frame_state *fs)
 {
-    const struct gp_log *const log = fs->log;
     const struct gp_settings *const s = r->s;
     struct gp_occluder_facts *const facts = &fs->facts.hidden;
     gp_status st;
     GP_TRY(read_depth(r, fs));
-    if (s->sun.mask_file)
+    if (s->sun.mask_file || s->sun.mask)
         GP_TRY(read_beside(s, fs, s->sun.mask_file, s->sun.mask, false,
                            &fs->mask));
-    else if (s->sun.mask)
-        GP_TRY(gp_read_plane(log, &s->input.read, &fs->file, s->sun.mask, false,
-                             &fs->mask));
-    facts->depth = fs->depth.v ? gp_strdup(fs->depth.name) : NULL;
-    facts->mask = fs->mask.v ? gp_strdup(fs->mask.name) : NULL;
-    if ((fs->depth.v && !facts->depth) || (fs->mask.v && !facts->mask))
-        GP_TRY(gp_no_memory_bare(log, "lights"));
+    facts->depth = fs->depth.name;
+    facts->mask = fs->mask.name;
     GP_TRY(give(fs, GLAREPP_DEPTH, &fs->depth, 1, s->sun.depth_file));
     GP_TRY(give(fs, GLAREPP_COVERAGE, &fs->mask, 1, s->sun.mask_file));
 out:
@@ -347,8 +341,7 @@ static gp_status run_end(struct gp_run *r, struct gp_frame_state *fs)
     // of the layer with ghosts too, which is no darker than without them
     f->bounded = f->lib.sense.sources || f->lib.lens.name;
     f->bound = f->lib.layer.bound + f->lib.lens.bound;
-    f->clamp.n.pixels = f->lib.sense.clamped;
-    memcpy(f->clamp.flux, f->lib.sense.flux_clamped, sizeof f->clamp.flux);
+    memcpy(f->flux_clamped, f->lib.sense.flux_clamped, sizeof f->flux_clamped);
     return st;
 }
 
@@ -372,24 +365,18 @@ static bool untoned(const struct gp_settings *s)
 unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
 {
     const unsigned shown = untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN;
-    switch (kind) {
-    case GP_TARGET_HDR:
-        return GP_HAS_LIT;
-    case GP_TARGET_LAYER:
+    const unsigned needs[] = {
+        [GP_TARGET_HDR] = GP_HAS_LIT,
         // (bound_pixel is of the composite, which needs the frame)
-        return GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
-               (s->light.layer.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0u);
-    case GP_TARGET_PICTURE:
-        return shown;
-    case GP_TARGET_SENSORS:
-        return GP_HAS_SOURCES;
-    case GP_TARGET_POLYGONS:
-        return GP_HAS_SOURCES | GP_HAS_KERNEL | shown;
-    case GP_TARGET_SUNMAP:
-    case GP_TARGET_INTENSITY:
-        return GP_HAS_SHARES;
-    }
-    return 0;
+        [GP_TARGET_LAYER] = GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
+            (s->light.layer.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0u),
+        [GP_TARGET_PICTURE] = shown,
+        [GP_TARGET_SENSORS] = GP_HAS_SOURCES,
+        [GP_TARGET_POLYGONS] = GP_HAS_SOURCES | GP_HAS_KERNEL | shown,
+        [GP_TARGET_SUNMAP] = GP_HAS_SHARES,
+        [GP_TARGET_INTENSITY] = GP_HAS_SHARES,
+    };
+    return needs[kind];
 }
 
 /* Looks at planes of the library's frame, and at their window. */
@@ -504,7 +491,6 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_write_stats stats = {.raw = r->raw}; // changes when ordered only
     struct gp_write_params p = r->s->output.write;
     struct gp_write_facts *const facts = &fs->facts.write;
-    struct gp_clamp_facts *const clamp = &fs->facts.clamp;
     const struct gp_taker *const taker = r->jobs->taker;
     gp_status st = GP_OK;
     if (taker) { // in place of files
@@ -534,9 +520,9 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     }
     if (st)
         return st;
-    clamp->n.values = stats.clamped;
+    fs->facts.clamped_out = stats.clamped;
     for (int c = 0; c < 3; c++)
-        clamp->flux[c] += stats.flux_clamped[c];
+        fs->facts.flux_clamped[c] += stats.flux_clamped[c];
     if (r->ordered)
         r->raw = stats.raw;
     return GP_OK;

@@ -81,10 +81,11 @@ static void draw_caption(struct sheet *s, int left, int top,
     }
 }
 
-/* The mean of a data window's samples over [x0, x1) x [y0, y1), in pixels from
- * its corner. */
-static void mean_of(const struct gp_planes *p, int w, int h, double x0,
-                    double y0, double x1, double y1, float *const out[3])
+/* Sets pixel `at` to the mean of a data window's samples over [x0, x1) x
+ * [y0, y1), in pixels from its corner. */
+static void set_mean(const struct gp_planes *p, int w, int h, double x0,
+                     double y0, double x1, double y1, struct gp_planes *out,
+                     size_t at)
 {
     double sum[3] = {0};
     const int last_x = gp_min((int) ceil(x1), w);
@@ -99,7 +100,7 @@ static void mean_of(const struct gp_planes *p, int w, int h, double x0,
         }
     }
     for (int c = 0; c < 3; c++)
-        *out[c] = (float) (sum[c] / ((x1 - x0) * (y1 - y0)));
+        out->c[c][at] = (float) (sum[c] / ((x1 - x0) * (y1 - y0)));
 }
 
 /* Makes the sheet for tiles of f's display window. */
@@ -138,11 +139,9 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
         for (int x = 0; x < s->w; x++) {
             const size_t at = (size_t) (top + LINE + y) *
                                   (size_t) sheet_w(s) + (size_t) (left + x);
-            float *const out[3] = {&s->planes.c[0][at], &s->planes.c[1][at],
-                                   &s->planes.c[2][at]};
-            mean_of(picture, gp_frame_w(f), gp_frame_h(f), dx + x * across,
-                    dy + y * down, dx + (x + 1) * across, dy + (y + 1) * down,
-                    out);
+            set_mean(picture, gp_frame_w(f), gp_frame_h(f), dx + x * across,
+                     dy + y * down, dx + (x + 1) * across, dy + (y + 1) * down,
+                     &s->planes, at);
         }
     }
     draw_caption(s, left, top, s->caption);
@@ -210,11 +209,12 @@ static gp_status write_sheet(const struct gp_log *log,
 }
 
 gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
-                            const struct gp_settings *s)
+                            const struct gp_settings *s, bool *differs)
 {
     struct sheet sheet = {.columns = 3, .tiles = 1};
     const struct gp_style *style = gp_styles;
     gp_status st;
+    (void) differs;
     if (!s->input.files.n) {
         for (; style->name; style++)
             printf("%-10s  %s%s\n", style->name, style->text,

@@ -43,7 +43,6 @@ SIZES = {  # path below src: reason
     "core/image.c": "planes; what a picture is stands in its header",
     "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",
     "io/frame.c": "what a frame owns",
-    "cli/bench_command.c": "the command's side of bench/",
 }
 SUBJECT = re.compile(
     r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*(, [a-z0-9_/-]+)*: \S.*[^.]$")

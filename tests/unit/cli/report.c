@@ -33,7 +33,7 @@ static struct gp_frame_report full_facts(void)
                        .flux_error = 4e-7},
         },
         .bounded = true, .bound = 1e-6,
-        .clamp.n = {4, 5},
+        .clamped_out = 5,
         .hidden = {.depth = depth, .depth_type = "half"},
     };
     for (int i = 0; i < GP_TIMES; i++)

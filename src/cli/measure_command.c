@@ -1,6 +1,7 @@
-
+/* glarepp sets, and the command's side of glarepp bench: tables of times. */
 #include "cli/commands.h"
-#include "cli/output_guard.h"
+#include "cli/listener.h"
+#include "cli/stages.h"
 #include "core/json.h"
 #include "io/file.h"
 
@@ -12,7 +13,7 @@
 enum { ROWS = sizeof ((struct glarepp_sets *) 0)->row /
               sizeof (struct glarepp_sets_row) };
 
-// -- files --------------------------------------------------------------------
+// -- sets: files ---------------------------------------------------------------
 
 /* Writes a picture, where it is asked for. */
 static gp_status write_picture(const struct gp_log *log,
@@ -34,7 +35,7 @@ static gp_status write_picture(const struct gp_log *log,
                                                 : GP_PICTURE_SHOWN, &stats);
 }
 
-// -- the table ----------------------------------------------------------------
+// -- sets: the table ----------------------------------------------------------
 
 static void print_table(const struct gp_settings *s,
                         const struct glarepp_sets *sets)
@@ -102,7 +103,7 @@ static gp_status save_json(const struct gp_log *log,
         s->bench.json);
 }
 
-// -- the command --------------------------------------------------------------
+// -- sets: the command --------------------------------------------------------
 
 gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
                           const struct gp_settings *s, bool *differ)
@@ -110,7 +111,6 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     struct glarepp_sets_params p = s->sets;
     struct glarepp_sets sets = {.own = NULL};
     gp_status st;
-    *differ = false;
     p.path = s->input.files.at[0];
     p.camera = s->scene.camera;
     p.timed = gp_option_given(s, "time");
@@ -142,5 +142,65 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     st = gp_flush_stdout(log);
 out:
     glarepp_sets_end(&sets);
+    return st;
+}
+
+// -- bench -------------------------------------------------------------------
+
+/* The command's one frame, as a job of a run. */
+struct user {
+    struct gp_run run;
+    struct gp_job job;
+    struct gp_frame_state state; // its planes
+};
+
+static void free_planes(struct user *u)
+{
+    gp_plane_free(&u->state.depth);
+    gp_plane_free(&u->state.mask);
+    u->state = (struct gp_frame_state) {0};
+}
+
+static gp_status describe(void *user, const struct gp_log *log,
+                          const struct gp_frame *f,
+                          struct glarepp_frame_params *out)
+{
+    const struct user *const u = user;
+    (void) log;
+    *out = gp_frame_params_of(&u->job, f);
+    return GP_OK;
+}
+
+/* Gives a frame depth and coverage; they stay until it is asked again. */
+static gp_status give_planes(void *user, const struct gp_log *log,
+                             const struct gp_frame *f,
+                             struct glarepp_frame *to)
+{
+    struct user *const u = user;
+    free_planes(u);
+    u->state = (struct gp_frame_state) {
+        .log = log, .job = &u->job, .file = *f, .frame = to,
+    };
+    return gp_run_occluders(&u->run, &u->state);
+}
+
+gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
+                           const struct gp_settings *s, bool *differs)
+{
+    char *const input = s->input.files.n ? (char *) (uintptr_t)
+                                               s->input.files.at[0] : NULL;
+    const bool own = gp_option_given(s, "kernel");
+    struct user user = {.run = {.s = s}, .job = {.input = input}};
+    const struct gp_bench_request req = {
+        .params = &s->bench, .gp = gp, .input = input, .default_kernel = !own,
+        .kernel_name = own ? s->kernel.words.at[0] : s->light.style,
+        .read = &s->input.read, .kernel = &s->kernel.p, .plan = &s->plan,
+        .user = &user, .describe = describe, .planes = give_planes,
+    };
+    (void) differs;
+    gp_status st = gp_output_guard_check(log, s, "input", input);
+    if (!st)
+        st = gp_bench_run(log, &req);
+    free_planes(&user);
     return st;
 }
