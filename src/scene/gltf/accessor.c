@@ -32,7 +32,7 @@ static gp_status check_numbers(const struct gp_gltf *g,
     int view, offset = 0, stride;
     gp_status st;
     GP_TRY(gp_gltf_index(g, at, o, "bufferView", "bufferViews", &view));
-    GP_TRY(gp_json_int(&at->p, o, "byteOffset", 0, INT_MAX, &offset, NULL));
+    GP_TRY(gp_json_int(&at->p, o, "byteOffset", 0, INT_MAX, &offset));
     if (view < 0)
         return GP_OK; // zeros
     GP_TRY(gp_gltf_view(g, view, &span, &stride));
@@ -59,9 +59,9 @@ static gp_status check_sparse(const struct gp_gltf *g, json_t *o,
     json_t *const where = json_object_get(o, "indices");
     json_t *const with = json_object_get(o, "values");
     gp_status st;
-    GP_TRY(gp_json_int(&at->p, o, "count", 1, a->count, &a->sparse, NULL));
-    GP_TRY(gp_json_int(&at->p, where, "componentType", U8, U32, &a->where.type,
-                       NULL));
+    GP_TRY(gp_json_int(&at->p, o, "count", 1, a->count, &a->sparse));
+    GP_TRY(gp_json_int(&at->p, where, "componentType", U8, U32,
+                       &a->where.type));
     if (a->where.type != U8 && a->where.type != U16 && a->where.type != U32)
         return gp_gltf_fail(at, "\"sparse\" counts in component type %d",
                             a->where.type);
@@ -88,10 +88,9 @@ gp_status gp_gltf_accessor(const struct gp_gltf *g, int index,
     gp_status st;
     memset(out, 0, sizeof *out);
     gp_gltf_place(g, "accessor", index, &out->place);
-    GP_TRY(gp_json_int(&at->p, o, "componentType", I8, F32, &out->all.type,
-                       NULL));
-    GP_TRY(gp_json_choice(&at->p, o, "type", types, &type, NULL));
-    GP_TRY(gp_json_int(&at->p, o, "count", 1, INT_MAX / 16, &out->count, NULL));
+    GP_TRY(gp_json_int(&at->p, o, "componentType", I8, F32, &out->all.type));
+    GP_TRY(gp_json_choice(&at->p, o, "type", types, &type));
+    GP_TRY(gp_json_int(&at->p, o, "count", 1, INT_MAX / 16, &out->count));
     if (!type_bytes(out->all.type) || type < 0 || type > 3 || !out->count)
         return gp_gltf_fail(at, "%s", out->count ? "a type that is not read "
                             "(numbers and vectors are)" : "no \"count\"");

@@ -22,7 +22,7 @@ static gp_status read_keys(struct gp_gltf *g, const struct gp_gltf_at *at,
     struct gp_gltf_accessor input, output;
     int from, to, way = GP_KEY_LINEAR;
     gp_status st;
-    GP_TRY(gp_json_choice(&at->p, sampler, "interpolation", ways, &way, NULL));
+    GP_TRY(gp_json_choice(&at->p, sampler, "interpolation", ways, &way));
     GP_TRY(gp_gltf_index(g, at, sampler, "input", "accessors", &from));
     GP_TRY(gp_gltf_index(g, at, sampler, "output", "accessors", &to));
     if (from < 0 || to < 0)
@@ -65,9 +65,9 @@ static gp_status read_channel(struct gp_gltf *g, const struct gp_gltf_at *at,
     json_t *const target = json_object_get(o, "target");
     int node, path = -1, sampler = -1;
     gp_status st;
-    GP_TRY(gp_json_int(&at->p, o, "sampler", 0, INT_MAX, &sampler, NULL));
+    GP_TRY(gp_json_int(&at->p, o, "sampler", 0, INT_MAX, &sampler));
     GP_TRY(gp_gltf_index(g, at, target, "node", "nodes", &node));
-    GP_TRY(gp_json_choice(&at->p, target, "path", paths, &path, NULL));
+    GP_TRY(gp_json_choice(&at->p, target, "path", paths, &path));
     json_t *const s = json_array_get(samplers, (size_t) sampler);
     if (!json_is_object(s) || path < 0)
         GP_TRY(gp_gltf_fail(at, "a channel without sampler or path (sampler %d "
