@@ -256,14 +256,6 @@ static void camera_from(const double world[16], double out[16])
 
 enum { MOST_INDICES = 4096 };
 
-/* Returns point i of those that hold an object, in its mesh's space. */
-static struct gp_v3 point_of(const struct gp_scene *s, const struct gp_mesh *m,
-                             const struct gp_submesh *p, int i, bool corners)
-{
-    return corners ? gp_box_corner(&m->box, i)
-                   : gp_scene_vertex(s, s->index[p->first + i]);
-}
-
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
 {
     const struct gp_mesh *const m = &s->mesh[o->mesh];
@@ -279,8 +271,9 @@ void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
             const struct gp_submesh *const p = &s->submesh[k];
             const int n = corners ? 8 : p->count;
             for (int i = 0; i < n; i++) {
-                const struct gp_v3 at =
-                    gp_move(o->to_world, point_of(s, m, p, i, corners));
+                const struct gp_v3 at = gp_move(
+                    o->to_world, corners ? gp_box_corner(&m->box, i)
+                                 : gp_scene_vertex(s, s->index[p->first + i]));
                 const struct gp_v3 d = gp_v3_sub(at, c);
                 if (pass == 0)
                     box = gp_box_with(box, at);

@@ -201,12 +201,6 @@ static int triangles(int mode, int n, const uint32_t *v, uint32_t *to)
     return k;
 }
 
-/* Returns how many vertices these triangles have. */
-static long long triangle_vertices(int mode, int n)
-{
-    return n < 3 ? 0 : mode == 4 ? n / 3 * 3 : 3LL * (n - 2);
-}
-
 /* Texture coordinates of a cut-out. */
 struct uv_of {
     int accessor;    // -1: none
@@ -368,7 +362,8 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
                             "is not supported"));
     GP_TRY(read_vertices(w, positions, &uv, &a));
     const int count = indices >= 0 ? index.count : a.count;
-    const long long n = triangle_vertices(mode, count);
+    const long long n =
+        count < 3 ? 0 : mode == 4 ? count / 3 * 3 : 3LL * (count - 2);
     if (n > INT_MAX - w->indices)
         GP_TRY(gp_gltf_fail(at, "over %d indices", INT_MAX));
     if (w->fill) {

@@ -53,13 +53,6 @@ bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
 
 static const double ON = 1e-5; // of the size of the body: floats of a file
 
-/* True where no light passes through a submesh. */
-static bool is_opaque(const struct gp_scene *s, const struct gp_submesh *p)
-{
-    const struct gp_material *const m = &s->material[p->material];
-    return !gp_material_cut(m) && !gp_material_gone(m);
-}
-
 /* Returns the index of a point of the body, added when it is none yet; -1: no
  * room. */
 static int point_of(struct body *b, struct gp_v3 p, double near)
@@ -157,7 +150,8 @@ static void find_body(const struct gp_scene *s, int mesh, struct body *out)
     memset(out, 0, sizeof *out);
     for (int k = m->first; k < m->first + m->submeshes; k++) {
         const struct gp_submesh *const p = &s->submesh[k];
-        good = good && is_opaque(s, p);
+        const struct gp_material *const of = &s->material[p->material];
+        good = good && !gp_material_cut(of) && !gp_material_gone(of);
         for (int i = p->first; good && i < p->first + p->count; i += 3) {
             int v[3];
             for (int c = 0; c < 3; c++)
