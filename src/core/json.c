@@ -368,15 +368,6 @@ gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
 
 // -- values ------------------------------------------------------------------
 
-/* Returns the value of a key, or NULL; sets *found unless that is NULL. */
-static json_t *value_of(json_t *o, const char *key, bool *found)
-{
-    json_t *v = json_object_get(o, key);
-    if (found)
-        *found = v != NULL;
-    return v;
-}
-
 static gp_status check_number(const struct gp_json_place *p, const char *key,
     const json_t *v, double lo, double hi, double *out)
 {
@@ -392,17 +383,17 @@ static gp_status check_number(const struct gp_json_place *p, const char *key,
 }
 
 gp_status gp_json_number(const struct gp_json_place *p, json_t *o,
-    const char *key, double lo, double hi, double *out, bool *found)
+    const char *key, double lo, double hi, double *out)
 {
-    const json_t *v = value_of(o, key, found);
+    const json_t *v = json_object_get(o, key);
     return v ? check_number(p, key, v, lo, hi, out) : GP_OK;
 }
 
 gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
-                      const char *key, int lo, int hi, int *out, bool *found)
+                      const char *key, int lo, int hi, int *out)
 {
-    const json_t *v = value_of(o, key, found);
-    double d;
+    const json_t *v = json_object_get(o, key);
+    double d = 0.0;
     if (!v)
         return GP_OK;
     gp_status st = check_number(p, key, v, lo, hi, &d);
@@ -417,9 +408,9 @@ gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
 
 gp_status gp_json_numbers(const struct gp_json_place *p, json_t *o,
                           const char *key, int count, double lo, double hi,
-                          double *out, bool *found)
+                          double *out)
 {
-    const json_t *v = value_of(o, key, found);
+    const json_t *v = json_object_get(o, key);
     if (!v)
         return GP_OK;
     const bool grey = count < 0, lone = grey && !json_is_array(v);
@@ -444,9 +435,9 @@ gp_status gp_json_numbers(const struct gp_json_place *p, json_t *o,
 }
 
 gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
-                       const char *key, const char **out, bool *found)
+                       const char *key, const char **out)
 {
-    const json_t *v = value_of(o, key, found);
+    const json_t *v = json_object_get(o, key);
     if (!v)
         return GP_OK;
     if (!json_is_string(v))
@@ -457,11 +448,11 @@ gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
 }
 
 gp_status gp_json_choice(const struct gp_json_place *p, json_t *o,
-    const char *key, const char *const names[], int *out, bool *found)
+    const char *key, const char *const names[], int *out)
 {
     const char *text = NULL;
     int at;
-    gp_status st = gp_json_text(p, o, key, &text, found);
+    gp_status st = gp_json_text(p, o, key, &text);
     if (st || !text)
         return st;
     if (!in_list(text, names, &at))

@@ -90,26 +90,24 @@ GP_MUST_CHECK gp_status gp_json_array(const struct gp_json_place *p,
 GP_MUST_CHECK gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
                                      const char *const keys[]);
 
-/* Values of a key: `out` stays as it is when the key is missing; *found, which
- * may be NULL, is whether it is there. Numbers are finite and within [lo, hi];
- * ints are whole.
+/* Values of a key: `out` stays as it is when the key is missing. Numbers are
+ * finite and within [lo, hi]; ints are whole.
  * Errors: GP_ERR_DATA with file, place, key, what was found, the range. */
 GP_MUST_CHECK gp_status gp_json_number(const struct gp_json_place *p, json_t *o,
-    const char *key, double lo, double hi, double *out, bool *found);
+    const char *key, double lo, double hi, double *out);
 GP_MUST_CHECK gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
-    const char *key, int lo, int hi, int *out, bool *found);
+    const char *key, int lo, int hi, int *out);
 
 /* `count` numbers; where that is negative, -count of them, or one for all. */
 GP_MUST_CHECK gp_status gp_json_numbers(const struct gp_json_place *p,
-    json_t *o, const char *key, int count, double lo, double hi, double *out,
-    bool *found);
+    json_t *o, const char *key, int count, double lo, double hi, double *out);
 
 /* Borrowed from o. */
 GP_MUST_CHECK gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
-    const char *key, const char **out, bool *found);
+    const char *key, const char **out);
 
 /* Index into `names` (NULL ends) of a text. */
 GP_MUST_CHECK gp_status gp_json_choice(const struct gp_json_place *p, json_t *o,
-    const char *key, const char *const names[], int *out, bool *found);
+    const char *key, const char *const names[], int *out);
 
 #endif

@@ -45,12 +45,9 @@ static double reach(const struct gp_eye_disc *d)
                                   : 0.0;
 }
 
-static double angle_between(struct gp_v3 a, struct gp_v3 b)
-{
-    return atan2(gp_v3_length(gp_v3_cross(a, b)), gp_v3_dot(a, b));
-}
-
-/* Returns true when an object's sphere may meet the cone before the disc. */
+/* Returns true for objects of the set E: those whose sphere may meet the cone
+ * from the eye over the disc, before a lamp. None that hides a part of the disc
+ * is left out; one that is kept may hide nothing. */
 static bool meets_sphere(const struct gp_eye_disc *d, const struct gp_object *o)
 {
     const struct gp_v3 c = gp_v3_sub(gp_box_middle(&o->box), d->eye);
@@ -58,22 +55,9 @@ static bool meets_sphere(const struct gp_eye_disc *d, const struct gp_object *o)
     const double r = o->radius + SLACK * (distance + o->radius);
     if (distance - r > reach(d))
         return false;
-    return distance <= r ||
-           angle_between(c, d->to) <= d->half + asin(r / distance) + SLACK;
-}
-
-/* Lists the set E, indices of objects: those whose sphere meets the cone from
- * the eye over the disc, and is nearer than a lamp. None that hides a part of
- * the disc is left out; one that is kept may hide nothing. */
-static int list_objects(const struct gp_scene *s, const struct gp_eye_disc *d,
-                        int *object)
-{
-    int n = 0;
-    for (int i = 0; i < s->objects; i++) {
-        object[n] = i;
-        n += meets_sphere(d, &s->object[i]);
-    }
-    return n;
+    const double angle = atan2(gp_v3_length(gp_v3_cross(c, d->to)),
+                               gp_v3_dot(c, d->to));
+    return distance <= r || angle <= d->half + asin(r / distance) + SLACK;
 }
 
 // -- directions ---------------------------------------------------------------
@@ -105,14 +89,6 @@ static double along_view(const struct measure *m, struct gp_v3 along)
 {
     const double *const c = m->window->camera->to_ndc;
     return gp_v3_dot(along, (struct gp_v3) {c[3], c[7], c[11]});
-}
-
-/* Area in the picture of a solid angle there, but for a factor: 1 / cos^3 of
- * the angle from the view axis. */
-static double weight_of(const struct measure *m, struct gp_v3 along)
-{
-    const double c = m->plane ? along_view(m, along) : 1.0;
-    return 1.0 / (c * c * c);
 }
 
 static struct measure measure_of(const struct gp_eye_disc *d,
@@ -223,7 +199,10 @@ static void cast_row(void *ctx, int y, int thread)
     struct row_sums sums = {0};
     for (int x = 0; x < s->side; x++) {
         const struct gp_v3 along = sample_at(s, x, y);
-        const double weight = weight_of(&s->measure, along);
+        // area in the picture of a solid angle there, but for a factor
+        const double view =
+            s->measure.plane ? along_view(&s->measure, along) : 1.0;
+        const double weight = 1.0 / (view * view * view);
         uint8_t *const bits = &s->bits[y * s->side + x];
         *bits = inside(&s->measure, along) ? INSIDE : SHOWN;
         const struct gp_eye_disc *const d = s->measure.disc;
@@ -281,7 +260,7 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
     const int levels = d->half > 0.0 ? LEVELS : 1;
     struct samples *level = NULL;
     struct gp_eye_share share = {.clear = 1.0, .outside = 1.0};
-    int *object = NULL;
+    int *object = NULL, objects = 0;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "rays to a light", 1, sizeof *level, &level));
     GP_TRY(gp_alloc(log, "objects before a light", (size_t) s->objects + 1,
@@ -289,7 +268,10 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
     level->measure = measure_of(d, window);
     const bool whole = !level->measure.cut && inside(&level->measure, d->to);
     share.outside = whole ? 0.0 : 1.0;
-    const int objects = whole ? 0 : list_objects(s, d, object);
+    for (int i = 0; i < s->objects && !whole; i++) {
+        object[objects] = i;
+        objects += meets_sphere(d, &s->object[i]);
+    }
     GP_TRY(gp_rays_make(log, s, meshes, object, objects, &level->rays));
     // without a triangle nothing is before it
     const bool any = level->measure.cut || level->rays.tree.n > 0;

@@ -110,14 +110,6 @@ static double middle(const struct gp_box *b, int axis)
                        : b->lo.z + b->hi.z;
 }
 
-static struct gp_box box_of(const struct builder *b, struct range r)
-{
-    struct gp_box all = GP_BOX_EMPTY;
-    for (int i = r.first; i < r.first + r.count; i++)
-        all = gp_box_join(all, b->box[b->tree->item[i]]);
-    return all;
-}
-
 struct bin {
     struct gp_box box;
     int n;
@@ -227,7 +219,9 @@ static int make_node(struct builder *b, struct range r)
         part[parts] = two[1];
     }
     for (int k = 0; k < 4; k++) {
-        const struct gp_box box = box_of(b, part[k]);
+        struct gp_box box = GP_BOX_EMPTY;
+        for (int j = part[k].first; j < part[k].first + part[k].count; j++)
+            box = gp_box_join(box, b->box[b->tree->item[j]]);
         const bool leaf = part[k].count <= LEAF;
         node->bound[0][k] = below(box.lo.x);
         node->bound[1][k] = below(box.lo.y);

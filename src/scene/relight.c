@@ -629,18 +629,6 @@ out:
     return st;
 }
 
-/* Sums the facts of a light's rows in order: the same for any threads. */
-static struct gp_relit facts_of(const struct lamp *lamp)
-{
-    struct gp_relit facts = {0};
-    const int rows = gp_rect_h(lamp->cut);
-    for (int i = 0; i < rows; i++) {
-        facts.pixels += lamp->row[i].pixels;
-        facts.rays += lamp->row[i].rays;
-    }
-    return facts;
-}
-
 gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     struct gp_meshes *meshes, const struct gp_surfaces *f,
     const struct gp_relight_pass *pass, int passes, struct gp_relit *out)
@@ -662,8 +650,13 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
         GP_TRY(open_lamp(log, s, meshes, &w.lamp[k]));
     }
     gp_parallel_do(gp_rect_h(f->data), light_row, &w);
-    for (int k = 0; k < passes; k++)
-        out[k] = facts_of(&w.lamp[k]);
+    for (int k = 0; k < passes; k++) {
+        out[k] = (struct gp_relit) {0};
+        for (int i = 0; i < gp_rect_h(w.lamp[k].cut); i++) {
+            out[k].pixels += w.lamp[k].row[i].pixels;
+            out[k].rays += w.lamp[k].row[i].rays;
+        }
+    }
 out:
     for (int k = 0; k < passes; k++) {
         gp_rays_free(&w.lamp[k].rays);

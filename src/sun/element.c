@@ -45,15 +45,10 @@ static bool has_rays(const struct gp_flare_element *e)
 
 // -- profiles ----------------------------------------------------------------
 
-static double clamp01(double v)
-{
-    return v < 0.0 ? 0.0 : v > 1.0 ? 1.0 : v;
-}
-
 /* Brightness at q in [0, 1] from middle to rim, without edges. */
 static double body(const struct gp_flare_element *e, double q)
 {
-    const double p = clamp01(q);
+    const double p = gp_maxd(gp_mind(q, 1.0), 0.0);
     double v = 1.0;
     if (e->profiles) {
         const double at = p * (e->profiles - 1);
@@ -74,7 +69,8 @@ static double body(const struct gp_flare_element *e, double q)
  * more wide around it, or of one `soft` wide inside it where that is more. */
 static double edge(double d, double pixel, double soft)
 {
-    return soft > pixel ? gp_smoothstep(d / soft) : clamp01(0.5 + d / pixel);
+    return soft > pixel ? gp_smoothstep(d / soft)
+                        : gp_maxd(gp_mind(0.5 + d / pixel, 1.0), 0.0);
 }
 
 /* Radius of a ring's hole at radius r pixels, in q; under 0: none. */

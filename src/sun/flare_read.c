@@ -86,7 +86,7 @@ static gp_status read_keys(const struct gp_json_place *p, json_t *o,
     for (int i = 0; i < KEYS; i++) {
         if (keys[i].of & 1u << e->shape && keys[i].to)
             GP_TRY(gp_json_number(p, o, keys[i].name, keys[i].lo, keys[i].hi,
-                                  (double *) ((char *) e + keys[i].to), NULL));
+                                  (double *) ((char *) e + keys[i].to)));
     }
 out:
     return st;
@@ -98,8 +98,7 @@ static gp_status read_floats(const struct gp_json_place *p, json_t *o,
     const char *key, bool grey, double lo, double hi, float out[3])
 {
     double v[3] = {(double) out[0], (double) out[1], (double) out[2]};
-    const gp_status st = gp_json_numbers(p, o, key, grey ? -3 : 3, lo, hi, v,
-                                         NULL);
+    const gp_status st = gp_json_numbers(p, o, key, grey ? -3 : 3, lo, hi, v);
     for (int c = 0; c < 3; c++)
         out[c] = (float) v[c];
     return st;
@@ -110,7 +109,7 @@ static gp_status read_source(const struct gp_json_place *p, json_t *o,
 {
     static const char *const names[] = {"lights", "bright", NULL};
     int source = (int) *out;
-    const gp_status st = gp_json_choice(p, o, "source", names, &source, NULL);
+    const gp_status st = gp_json_choice(p, o, "source", names, &source);
     *out = (enum gp_flare_source) source;
     return st;
 }
@@ -127,8 +126,7 @@ static gp_status read_profile(const struct gp_json_place *p, json_t *o,
         return gp_json_fail(p, "\"profile\" is not an array of 2 to %d "
                             "numbers; give brightness from middle to rim, e.g. "
                             "[1, 0.5, 0]", GP_FLARE_PROFILE);
-    const gp_status st = gp_json_numbers(p, o, "profile", n, 0.0, 1e3, v,
-                                         NULL);
+    const gp_status st = gp_json_numbers(p, o, "profile", n, 0.0, 1e3, v);
     bool black = true;
     for (int i = 0; i < n && !st; i++) {
         e->profile[i] = (float) v[i];
@@ -157,9 +155,9 @@ static gp_status read_by_place(const struct gp_json_place *p, json_t *o,
     if (!own)
         return GP_OK;
     GP_TRY(gp_json_keys(p, own, e->source == GP_FLARE_BRIGHT ? names : sized));
-    GP_TRY(gp_json_choice(p, own, "from", from, &edge, NULL));
-    GP_TRY(gp_json_numbers(p, own, "size", 2, 0.0, 100.0, b->size, NULL));
-    GP_TRY(gp_json_numbers(p, own, "brightness", 2, 0.0, 1e3, bright, NULL));
+    GP_TRY(gp_json_choice(p, own, "from", from, &edge));
+    GP_TRY(gp_json_numbers(p, own, "size", 2, 0.0, 100.0, b->size));
+    GP_TRY(gp_json_numbers(p, own, "brightness", 2, 0.0, 1e3, bright));
     if (colours && json_array_size(colours) != 2)
         GP_TRY(gp_json_fail(p, "\"color\" of \"by_place\" is not two colours; "
                             "give [[r, g, b], [r, g, b]]"));
@@ -184,11 +182,10 @@ out:
 static gp_status read_path(const struct gp_json_place *p, json_t *o,
                            struct gp_flare_element *e)
 {
-    const char *name = NULL;
-    bool found = false;
+    const char *name = "";
     gp_status st;
-    GP_TRY(gp_json_text(p, o, "image", &name, &found));
-    if (!found || !*name)
+    GP_TRY(gp_json_text(p, o, "image", &name));
+    if (!*name)
         GP_TRY(gp_json_fail(p, "no image; add \"image\": its file"));
     const char *const slash = strrchr(p->path, '/');
     const size_t folder = name[0] != '/' && slash
@@ -211,14 +208,13 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
                                          "dirt", NULL};
     static const char *const turns[] = {"fixed", "axis", NULL};
     const char *only = NULL;
-    int shape = 0, turn = 0;
-    bool found = false;
+    int shape = -1, turn = 0;
     gp_status st = GP_OK;
     *e = (struct gp_flare_element) GP_FLARE_DEFAULTS;
     e->source = source;
     if (json_is_object(o))
-        GP_TRY(gp_json_choice(p, o, "shape", shapes, &shape, &found));
-    if (!found)
+        GP_TRY(gp_json_choice(p, o, "shape", shapes, &shape));
+    if (shape < 0)
         GP_TRY(gp_json_fail(p, "no shape; add \"shape\": disc, ring, polygon, "
                             "streak, image, glow, spikes, caustic or dirt"));
     e->shape = (enum gp_flare_shape) shape;
@@ -230,17 +226,17 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
         GP_TRY(gp_json_fail(p, "dirt is lit by lights (found \"source\": "
                             "\"bright\"); use \"lights\""));
     GP_TRY(read_keys(p, o, e));
-    GP_TRY(gp_json_int(p, o, "sides", 3, GP_FLARE_SIDES, &e->sides, NULL));
+    GP_TRY(gp_json_int(p, o, "sides", 3, GP_FLARE_SIDES, &e->sides));
     GP_TRY(gp_json_int(p, o, "count", 1, rays ? MOST_RAYS : MOST_ELEMENTS,
-                       &e->count, NULL));
-    GP_TRY(gp_json_int(p, o, "seed", 0, 1 << 24, &e->seed, NULL));
-    GP_TRY(gp_json_choice(p, o, "turn", turns, &turn, NULL));
+                       &e->count));
+    GP_TRY(gp_json_int(p, o, "seed", 0, 1 << 24, &e->seed));
+    GP_TRY(gp_json_choice(p, o, "turn", turns, &turn));
     e->axis = turn == 1;
     GP_TRY(read_floats(p, o, "color", true, 0.0, 1e6, e->colour));
     GP_TRY(read_floats(p, o, "scale", false, 0.01, 100.0, e->scale));
     GP_TRY(read_profile(p, o, e));
     GP_TRY(read_by_place(p, o, e));
-    GP_TRY(gp_json_text(p, o, "only", &only, NULL));
+    GP_TRY(gp_json_text(p, o, "only", &only));
     if (only && !(e->only = gp_strdup(only)))
         GP_TRY(gp_no_memory(p->log, p->path));
     if (e->shape == GP_FLARE_IMAGE || e->shape == GP_FLARE_DIRT)

@@ -17,7 +17,7 @@ static gp_status read_text(const struct gp_json_place *p, json_t *o,
                            const char *key, size_t room, char *out)
 {
     const char *text = "";
-    const gp_status st = gp_json_text(p, o, key, &text, NULL);
+    const gp_status st = gp_json_text(p, o, key, &text);
     if (st)
         return st;
     if (strlen(text) >= room)
@@ -38,14 +38,11 @@ static gp_status read_claims(const struct gp_json_place *p, json_t *root,
     if (!o)
         return GP_OK;
     GP_TRY(gp_json_keys(p, o, keys));
-    GP_TRY(gp_json_number(p, o, "focal_length", 0.1, 1e5, &lens->claims_focal,
-                          NULL));
-    GP_TRY(gp_json_number(p, o, "f_number", 0.3, 1e3, &lens->claims_f_number,
-                          NULL));
-    GP_TRY(gp_json_number(p, o, "back_focus", 1e-3, 1e5, &lens->claims_back,
-                          NULL));
+    GP_TRY(gp_json_number(p, o, "focal_length", 0.1, 1e5, &lens->claims_focal));
+    GP_TRY(gp_json_number(p, o, "f_number", 0.3, 1e3, &lens->claims_f_number));
+    GP_TRY(gp_json_number(p, o, "back_focus", 1e-3, 1e5, &lens->claims_back));
     GP_TRY(gp_json_number(p, o, "image_height", 1e-3, 1e4,
-                          &lens->claims_height, NULL));
+                          &lens->claims_height));
 out:
     return st;
 }
@@ -58,9 +55,8 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
     static const char *const keys[] = {
         "radius", "thickness", "n", "v", "semi", "coating", "stop", NULL};
     static const char *const stop_keys[] = {"thickness", "semi", "stop", NULL};
-    struct gp_lens_surface s = {.n = 1.0};
-    double radius = 0.0;
-    bool has_radius, has_gap, has_semi, has_coat;
+    struct gp_lens_surface s = {.n = 1.0, .coat = -1.0}; // coat: not given
+    double radius = INFINITY;
     gp_status st;
     *stop = json_is_true(json_object_get(o, "stop"));
     GP_TRY(gp_json_keys(p, o, *stop ? stop_keys : keys));
@@ -70,30 +66,29 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
         s.n = before->n;
         s.v = before->v;
     }
-    GP_TRY(gp_json_number(p, o, "thickness", last ? 0.0 : 1e-6, 1e5, &s.gap,
-                          &has_gap));
-    GP_TRY(gp_json_number(p, o, "semi", 1e-3, 1e4, &s.semi, &has_semi));
-    GP_TRY(gp_json_number(p, o, "radius", -1e9, 1e9, &radius, &has_radius));
-    GP_TRY(gp_json_number(p, o, "n", 1.0, 5.0, &s.n, NULL));
-    GP_TRY(gp_json_number(p, o, "v", 0.0, 200.0, &s.v, NULL));
-    GP_TRY(gp_json_number(p, o, "coating", 0.0, 5000.0, &s.coat, &has_coat));
-    if (!has_semi || (!has_gap && !last))
+    GP_TRY(gp_json_number(p, o, "thickness", last ? 0.0 : 1e-6, 1e5, &s.gap));
+    GP_TRY(gp_json_number(p, o, "semi", 1e-3, 1e4, &s.semi));
+    GP_TRY(gp_json_number(p, o, "radius", -1e9, 1e9, &radius));
+    GP_TRY(gp_json_number(p, o, "n", 1.0, 5.0, &s.n));
+    GP_TRY(gp_json_number(p, o, "v", 0.0, 200.0, &s.v));
+    GP_TRY(gp_json_number(p, o, "coating", 0.0, 5000.0, &s.coat));
+    if (s.semi == 0.0 || (s.gap == 0.0 && !last))
         GP_TRY(gp_json_fail(p, "no %s; add it in millimetres",
-                            has_semi ? "thickness" : "semi"));
-    if (has_radius && radius == 0.0)
+                            s.semi > 0.0 ? "thickness" : "semi"));
+    if (radius == 0.0)
         GP_TRY(gp_json_fail(p, "the radius is 0; leave it out for a flat "
                             "surface"));
-    if (has_radius && fabs(radius) < s.semi)
+    if (fabs(radius) < s.semi)
         GP_TRY(gp_json_fail(p, "the radius is under semi (found %g and %g); no "
                             "sphere is so wide", radius, s.semi));
     if (s.v > 0.0 && s.v < 10.0)
         GP_TRY(gp_json_fail(p, "v is not an Abbe number (found %g); give 10 to "
                             "200, or 0 for none", s.v));
-    s.curvature = has_radius ? 1.0 / radius : 0.0;
+    s.curvature = 1.0 / radius;
     // by default between glass and air: cemented surfaces have no coat
     const double n = before ? before->n : 1.0;
-    if (!has_coat && !*stop && n != s.n && (n == 1.0 || s.n == 1.0))
-        s.coat = coating;
+    if (s.coat < 0.0)
+        s.coat = !*stop && n != s.n && (n == 1.0 || s.n == 1.0) ? coating : 0.0;
     *out = s;
 out:
     return st;
@@ -143,13 +138,12 @@ static gp_status read_lens(const struct gp_json_place *p, json_t *root,
     if (!lens->name[0])
         GP_TRY(gp_json_fail(p, "no name; add \"name\": text"));
     GP_TRY(read_claims(p, root, lens));
-    GP_TRY(gp_json_int(p, root, "blades", 0, 32, &lens->blades, NULL));
+    GP_TRY(gp_json_int(p, root, "blades", 0, 32, &lens->blades));
     if (lens->blades == 1 || lens->blades == 2)
         GP_TRY(gp_json_fail(p, "blades make no opening (found %d); give 3 to "
                             "32, or 0 for a round stop", lens->blades));
-    GP_TRY(gp_json_number(p, root, "blade_turn", -360.0, 360.0, &lens->turn,
-                          NULL));
-    GP_TRY(gp_json_number(p, root, "coating", 0.0, 5000.0, &coating, NULL));
+    GP_TRY(gp_json_number(p, root, "blade_turn", -360.0, 360.0, &lens->turn));
+    GP_TRY(gp_json_number(p, root, "coating", 0.0, 5000.0, &coating));
     GP_TRY(gp_json_array(p, root, "surfaces", GP_LENS_SURFACES, &list));
     GP_TRY(read_surfaces(p, list, coating, lens));
 out:

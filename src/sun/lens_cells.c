@@ -45,18 +45,6 @@ void gp_lens_light_of(const struct gp_lens_band *b,
     }
 }
 
-/* Adds a part of the spectrum, of weights rgb and the image's light. */
-static void add_part(const double rgb[3], const double of_node[GP_LENS_NODES],
-                     double image, struct gp_lens_band *b)
-{
-    for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < GP_LENS_NODES; i++) {
-            for (int k = 0; k < GP_LENS_NODES; k++)
-                b->light[c][i][k] += rgb[c] * of_node[i] * of_node[k] / image;
-        }
-    }
-}
-
 void gp_lens_bands_make(const float *chromaticities,
                         const double image[GP_LENS_NODES],
                         struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS])
@@ -75,8 +63,11 @@ void gp_lens_bands_make(const float *chromaticities,
                 lagrange(fmin(fmax(nm[i], 420.0), 680.0), at);
                 for (int k = 0; k < GP_LENS_NODES; k++)
                     root += at[k] * sqrt(image[k]);
-                add_part(rgb[i], at, root * root, out);
                 for (int c = 0; c < 3; c++) {
+                    for (int k = 0; k < GP_LENS_NODES * GP_LENS_NODES; k++)
+                        out->light[c][k / GP_LENS_NODES][k % GP_LENS_NODES] +=
+                            rgb[i][c] * at[k / GP_LENS_NODES] *
+                            at[k % GP_LENS_NODES] / (root * root);
                     sum += fabs(rgb[i][c]);
                     middle += fabs(rgb[i][c]) * nm[i];
                 }

@@ -411,13 +411,6 @@ out:
 
 enum { RAYS = 9, ARC = 24 };
 
-/* Distance by which a surface of that height bulges towards the sensor. */
-static double sag(const struct gp_lens_surface *s, double height)
-{
-    const double c = s->curvature, root = 1.0 - c * c * height * height;
-    return c * height * height / (1.0 + sqrt(root > 0.0 ? root : 0.0));
-}
-
 /* Adds the points of a surface from one height to another. */
 static void print_arc(FILE *f, const struct gp_lens_surface *s, double z,
                       double from, double to)
@@ -425,8 +418,10 @@ static void print_arc(FILE *f, const struct gp_lens_surface *s, double z,
     for (int i = 0; i <= ARC; i++) {
         const double y = from + (to - from) * i / ARC;
         // a rim that is wider than the surface is a flat edge
-        const double height = fmin(fabs(y), s->semi);
-        fprintf(f, "%.3f,%.3f ", z + sag(s, height), -y);
+        const double height = fmin(fabs(y), s->semi), c = s->curvature;
+        const double root = fmax(1.0 - c * c * height * height, 0.0);
+        fprintf(f, "%.3f,%.3f ", z + c * height * height / (1.0 + sqrt(root)),
+                -y);
     }
 }
 

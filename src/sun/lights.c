@@ -35,7 +35,8 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
 {
     static const struct gp_light plain = GP_LIGHT_DEFAULTS;
     double flux[3] = {0.0, 0.0, 0.0}, colour[3] = {1.0, 1.0, 1.0};
-    bool found, pixels, angle;
+    const bool pixels = json_object_get(o, "radius");
+    const bool angle = json_object_get(o, "degrees");
     int n = 0; // places
     const char *name = NULL;
     gp_status st;
@@ -46,8 +47,9 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_keys(p, o, keys));
     for (int i = 0; i < PLACES; i++) {
         const double most = places[i].most;
+        const bool found = json_object_get(o, places[i].key);
         GP_TRY(gp_json_numbers(p, o, places[i].key, places[i].count,
-                               -most, most, out->at, &found));
+                               -most, most, out->at));
         out->place = found ? (enum gp_light_place) i : out->place;
         n += found;
     }
@@ -61,9 +63,8 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
         return gp_json_fail(p, "\"direction\" is 0, 0, 0; give a vector that "
                             "is not zero");
     // a direction's disc is seen under an angle, unless pixels are given
-    GP_TRY(gp_json_number(p, o, "radius", 0.0, MOST_RADIUS, &out->radius,
-                          &pixels));
-    GP_TRY(gp_json_number(p, o, "degrees", 0.0, 90.0, &out->degrees, &angle));
+    GP_TRY(gp_json_number(p, o, "radius", 0.0, MOST_RADIUS, &out->radius));
+    GP_TRY(gp_json_number(p, o, "degrees", 0.0, 90.0, &out->degrees));
     if (angle && (pixels || out->place != GP_PLACE_DIRECTION))
         return gp_json_fail(p, "\"degrees\" is for a \"direction\" without "
                             "\"radius\" (found it with \"%s\"); give only "
@@ -71,14 +72,13 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
                             pixels ? "radius" : places[out->place].key);
     if (out->place == GP_PLACE_DIRECTION && !pixels)
         out->radius = -1.0;
-    GP_TRY(gp_json_number(p, o, "depth", 0.0, MOST_DEPTH, &out->depth, NULL));
-    GP_TRY(gp_json_number(p, o, "bias", 0.0, 1.0, &out->bias, NULL));
-    GP_TRY(gp_json_numbers(p, o, "flux", -3, 0.0, MOST_FLUX, flux, NULL));
-    GP_TRY(gp_json_numbers(p, o, "color", 3, 0.0, MOST_COLOUR, colour,
-                           NULL));
+    GP_TRY(gp_json_number(p, o, "depth", 0.0, MOST_DEPTH, &out->depth));
+    GP_TRY(gp_json_number(p, o, "bias", 0.0, 1.0, &out->bias));
+    GP_TRY(gp_json_numbers(p, o, "flux", -3, 0.0, MOST_FLUX, flux));
+    GP_TRY(gp_json_numbers(p, o, "color", 3, 0.0, MOST_COLOUR, colour));
     for (int c = 0; c < 3; c++)
         out->flux[c] = (float) (flux[c] * colour[c]);
-    GP_TRY(gp_json_text(p, o, "name", &name, NULL));
+    GP_TRY(gp_json_text(p, o, "name", &name));
     snprintf(out->name, sizeof out->name, "%s", name ? name : "");
 out:
     return st;
@@ -198,14 +198,16 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     char frame[2048]; // "cameras.json: frame 1001"
     struct gp_json_place at = *p;
     double number = 0.0, camera[16], ndc[16], columns[16];
-    bool found, has_camera, spec, clip;
+    const bool found = json_object_get(o, "frame");
+    const bool spec = json_object_get(o, "worldToNDC_rowmajor");
+    const bool clip = json_object_get(o, "worldToNDC_blender_colvec");
+    const bool has_camera = json_object_get(o, "worldToCamera_rowmajor");
     if (!json_is_object(o))
         return gp_fail(p->log, GP_ERR_DATA,
             "%s: %s %d in order is not an object; give {\"frame\": ..., "
             "\"worldToNDC_rowmajor\": [...]}", p->path, p->what, p->index);
     // from here messages name the frame by its number
-    GP_TRY(gp_json_number(p, o, "frame", -MOST_FRAME, MOST_FRAME, &number,
-                          &found));
+    GP_TRY(gp_json_number(p, o, "frame", -MOST_FRAME, MOST_FRAME, &number));
     if (!found || number != floor(number))
         return gp_fail(p->log, GP_ERR_DATA,
                        "%s: %s %d in order has no frame number (found %s); "
@@ -217,11 +219,11 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     at.index = 0;
 
     GP_TRY(gp_json_numbers(&at, o, "worldToCamera_rowmajor", 16,
-                           -MOST_VALUE, MOST_VALUE, camera, &has_camera));
+                           -MOST_VALUE, MOST_VALUE, camera));
     GP_TRY(gp_json_numbers(&at, o, "worldToNDC_rowmajor", 16,
-                           -MOST_VALUE, MOST_VALUE, ndc, &spec));
+                           -MOST_VALUE, MOST_VALUE, ndc));
     GP_TRY(gp_json_numbers(&at, o, "worldToNDC_blender_colvec", 16,
-                           -MOST_VALUE, MOST_VALUE, columns, &clip));
+                           -MOST_VALUE, MOST_VALUE, columns));
     if (!spec && !clip)
         return gp_fail(p->log, GP_ERR_DATA,
                        "%s: no projection (found neither \"worldToNDC_rowmajor"
@@ -232,10 +234,10 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_camera_make(p->log, frame, has_camera ? camera : NULL, ndc,
                           spec ? GP_NDC_SPEC : GP_NDC_CLIP, &out->camera));
 
-    GP_TRY(gp_json_numbers(&at, o, "sun_dir_world", 3, -MOST_VALUE,
-                           MOST_VALUE, out->sun_dir, &out->has_sun));
-    GP_TRY(gp_json_number(&at, o, "sun_radius_px", 0.0, 1e6, &out->sun_radius,
-                          NULL));
+    out->has_sun = json_object_get(o, "sun_dir_world");
+    GP_TRY(gp_json_numbers(&at, o, "sun_dir_world", 3, -MOST_VALUE, MOST_VALUE,
+                           out->sun_dir));
+    GP_TRY(gp_json_number(&at, o, "sun_radius_px", 0.0, 1e6, &out->sun_radius));
     const double *const d = out->sun_dir;
     if (out->has_sun && d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0)
         return gp_fail(p->log, GP_ERR_DATA,
@@ -280,7 +282,7 @@ gp_status gp_camera_read(const struct gp_log *log, const char *path,
     }
     place.index = 0;
     if (json_is_object(root))
-        GP_TRY(gp_json_number(&place, root, "width", 1.0, 1e9, &f.width, NULL));
+        GP_TRY(gp_json_number(&place, root, "width", 1.0, 1e9, &f.width));
     *out = f;
     f = (struct gp_camera_file) {0}; // the caller's
 out:

@@ -7,7 +7,6 @@
 #include "core/minmax.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -92,24 +91,17 @@ GP_CLONES static int kinds_of(const float *v, size_t n, struct gp_depth_range f,
     return are;
 }
 
-/* From the least to the most of the huge samples; by whole numbers in the order
- * of floats, of which vectors have a least. */
+/* From the least to the most of the huge samples. */
 GP_CLONES static void span_huge(const float *v, size_t n, float *lo, float *hi)
 {
-    int32_t low = INT32_MAX, high = INT32_MIN;
+    float low = INFINITY, high = -INFINITY;
     for (size_t i = 0; i < n; i++) {
-        const float size = fabsf(v[i]);
-        int32_t k, is = (size >= GP_DEPTH_HUGE ? -1 : 0) &
-                        (size < INFINITY ? -1 : 0); // all bits, or none
-        memcpy(&k, &v[i], sizeof k);
-        k ^= k >> 31 & INT32_MAX;
-        low = gp_min(low, (k & is) | (INT32_MAX & ~is));
-        high = gp_max(high, (k & is) | (INT32_MIN & ~is));
+        const bool is = fabsf(v[i]) >= GP_DEPTH_HUGE && fabsf(v[i]) < INFINITY;
+        low = gp_minf(is ? v[i] : INFINITY, low);
+        high = gp_maxf(is ? v[i] : -INFINITY, high);
     }
-    low ^= low >> 31 & INT32_MAX;
-    high ^= high >> 31 & INT32_MAX;
-    memcpy(lo, &low, sizeof low);
-    memcpy(hi, &high, sizeof high);
+    *lo = low;
+    *hi = high;
 }
 
 void gp_occluders_count(struct gp_occluders *o)

@@ -14,6 +14,9 @@ enum {
 };
 static const double MOST_VALUE = 1e15;
 
+/* Numbers that 1 is stored as, normalised, from I8 on. */
+static const double unit_of[] = {127, 255, 32767, 65535, 1, 4294967295, 1};
+
 /* Returns the bytes of a number, 0 of an unknown type. */
 static int type_bytes(int type)
 {
@@ -32,7 +35,7 @@ static gp_status check_numbers(const struct gp_gltf *g,
     int view, offset = 0, stride;
     gp_status st;
     GP_TRY(gp_gltf_index(g, at, o, "bufferView", "bufferViews", &view));
-    GP_TRY(gp_json_int(&at->p, o, "byteOffset", 0, INT_MAX, &offset, NULL));
+    GP_TRY(gp_json_int(&at->p, o, "byteOffset", 0, INT_MAX, &offset));
     if (view < 0)
         return GP_OK; // zeros
     GP_TRY(gp_gltf_view(g, view, &span, &stride));
@@ -59,9 +62,9 @@ static gp_status check_sparse(const struct gp_gltf *g, json_t *o,
     json_t *const where = json_object_get(o, "indices");
     json_t *const with = json_object_get(o, "values");
     gp_status st;
-    GP_TRY(gp_json_int(&at->p, o, "count", 1, a->count, &a->sparse, NULL));
-    GP_TRY(gp_json_int(&at->p, where, "componentType", U8, U32, &a->where.type,
-                       NULL));
+    GP_TRY(gp_json_int(&at->p, o, "count", 1, a->count, &a->sparse));
+    GP_TRY(gp_json_int(&at->p, where, "componentType", U8, U32,
+                       &a->where.type));
     if (a->where.type != U8 && a->where.type != U16 && a->where.type != U32)
         return gp_gltf_fail(at, "\"sparse\" counts in component type %d",
                             a->where.type);
@@ -88,10 +91,9 @@ gp_status gp_gltf_accessor(const struct gp_gltf *g, int index,
     gp_status st;
     memset(out, 0, sizeof *out);
     gp_gltf_place(g, "accessor", index, &out->place);
-    GP_TRY(gp_json_int(&at->p, o, "componentType", I8, F32, &out->all.type,
-                       NULL));
-    GP_TRY(gp_json_choice(&at->p, o, "type", types, &type, NULL));
-    GP_TRY(gp_json_int(&at->p, o, "count", 1, INT_MAX / 16, &out->count, NULL));
+    GP_TRY(gp_json_int(&at->p, o, "componentType", I8, F32, &out->all.type));
+    GP_TRY(gp_json_choice(&at->p, o, "type", types, &type));
+    GP_TRY(gp_json_int(&at->p, o, "count", 1, INT_MAX / 16, &out->count));
     if (!type_bytes(out->all.type) || type < 0 || type > 3 || !out->count)
         return gp_gltf_fail(at, "%s", out->count ? "a type that is not read "
                             "(numbers and vectors are)" : "no \"count\"");
@@ -108,35 +110,16 @@ out:
     return st;
 }
 
-/* Returns a number as stored, and what 1 is stored as, for normalised ones. */
-static double stored_number(const uint8_t *p, int type, double *unit)
+/* Returns a number as stored. */
+static double stored_number(const uint8_t *p, int type)
 {
-    int8_t i8;
-    int16_t i16;
-    uint16_t u16;
-    switch (type) {
-    case I8:
-        memcpy(&i8, p, sizeof i8);
-        *unit = 127.0;
-        return i8;
-    case U8:
-        *unit = 255.0;
-        return *p;
-    case I16:
-        memcpy(&i16, p, sizeof i16);
-        *unit = 32767.0;
-        return i16;
-    case U16:
-        memcpy(&u16, p, sizeof u16);
-        *unit = 65535.0;
-        return u16;
-    case U32:
-        *unit = 4294967295.0;
-        return gp_le32(p);
-    default:
-        *unit = 1.0;
+    if (type == F32)
         return (double) gp_float_with_bits(gp_le32(p));
-    }
+    if (type == U32)
+        return gp_le32(p);
+    const int bytes = type_bytes(type), v = bytes == 2 ? p[0] | p[1] << 8 : *p;
+    const int sign = type == I8 || type == I16 ? 1 << (8 * bytes - 1) : 0;
+    return (v ^ sign) - sign;
 }
 
 /* Reads element k, of those of "sparse" after the others, and which one of the
@@ -147,10 +130,10 @@ static gp_status read_element(const struct gp_gltf_accessor *a, int k, int *at,
     const bool sparse = k >= a->count;
     const size_t i = (size_t) (sparse ? k - a->count : k);
     const struct gp_gltf_numbers *const n = sparse ? &a->with : &a->all;
-    double unit, where = k;
+    double where = k;
     if (sparse)
         where = stored_number(a->where.at + i * (size_t) a->where.stride,
-                              a->where.type, &unit);
+                              a->where.type);
     if (where >= a->count)
         return gp_gltf_fail(&a->place, "\"sparse\" replaces element %.0f of %d",
                             where, a->count);
@@ -160,9 +143,9 @@ static gp_status read_element(const struct gp_gltf_accessor *a, int k, int *at,
         if (!n->at)
             continue;
         out[c] = stored_number(n->at + i * (size_t) n->stride +
-                                   c * type_bytes(n->type), n->type, &unit);
+                                   c * type_bytes(n->type), n->type);
         if (a->normalized)
-            out[c] = fmax(out[c] / unit, -1.0);
+            out[c] = fmax(out[c] / unit_of[n->type - I8], -1.0);
     }
     return GP_OK;
 }

@@ -22,7 +22,7 @@ static gp_status read_keys(struct gp_gltf *g, const struct gp_gltf_at *at,
     struct gp_gltf_accessor input, output;
     int from, to, way = GP_KEY_LINEAR;
     gp_status st;
-    GP_TRY(gp_json_choice(&at->p, sampler, "interpolation", ways, &way, NULL));
+    GP_TRY(gp_json_choice(&at->p, sampler, "interpolation", ways, &way));
     GP_TRY(gp_gltf_index(g, at, sampler, "input", "accessors", &from));
     GP_TRY(gp_gltf_index(g, at, sampler, "output", "accessors", &to));
     if (from < 0 || to < 0)
@@ -65,9 +65,9 @@ static gp_status read_channel(struct gp_gltf *g, const struct gp_gltf_at *at,
     json_t *const target = json_object_get(o, "target");
     int node, path = -1, sampler = -1;
     gp_status st;
-    GP_TRY(gp_json_int(&at->p, o, "sampler", 0, INT_MAX, &sampler, NULL));
+    GP_TRY(gp_json_int(&at->p, o, "sampler", 0, INT_MAX, &sampler));
     GP_TRY(gp_gltf_index(g, at, target, "node", "nodes", &node));
-    GP_TRY(gp_json_choice(&at->p, target, "path", paths, &path, NULL));
+    GP_TRY(gp_json_choice(&at->p, target, "path", paths, &path));
     json_t *const s = json_array_get(samplers, (size_t) sampler);
     if (!json_is_object(s) || path < 0)
         GP_TRY(gp_gltf_fail(at, "a channel without sampler or path (sampler %d "
@@ -256,14 +256,6 @@ static void camera_from(const double world[16], double out[16])
 
 enum { MOST_INDICES = 4096 };
 
-/* Returns point i of those that hold an object, in its mesh's space. */
-static struct gp_v3 point_of(const struct gp_scene *s, const struct gp_mesh *m,
-                             const struct gp_submesh *p, int i, bool corners)
-{
-    return corners ? gp_box_corner(&m->box, i)
-                   : gp_scene_vertex(s, s->index[p->first + i]);
-}
-
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
 {
     const struct gp_mesh *const m = &s->mesh[o->mesh];
@@ -279,8 +271,9 @@ void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
             const struct gp_submesh *const p = &s->submesh[k];
             const int n = corners ? 8 : p->count;
             for (int i = 0; i < n; i++) {
-                const struct gp_v3 at =
-                    gp_move(o->to_world, point_of(s, m, p, i, corners));
+                const struct gp_v3 at = gp_move(
+                    o->to_world, corners ? gp_box_corner(&m->box, i)
+                                 : gp_scene_vertex(s, s->index[p->first + i]));
                 const struct gp_v3 d = gp_v3_sub(at, c);
                 if (pass == 0)
                     box = gp_box_with(box, at);

@@ -77,14 +77,11 @@ gp_status gp_gltf_index(const struct gp_gltf *g, const struct gp_gltf_at *at,
                         json_t *o, const char *key, const char *list, int *out)
 {
     const int n = gp_gltf_count(g, list);
-    bool found;
-    int index = -1;
-    gp_status st = gp_json_int(&at->p, o, key, 0, INT_MAX, &index, &found);
-    if (!st && found && index >= n)
+    *out = -1;
+    const gp_status st = gp_json_int(&at->p, o, key, 0, INT_MAX, out);
+    if (!st && *out >= n)
         return gp_gltf_fail(at, "no such \"%s\" (found %d, \"%s\" has %d)", key,
-                            index, list, n);
-    if (!st)
-        *out = found ? index : -1;
+                            *out, list, n);
     return st;
 }
 
@@ -203,8 +200,8 @@ static gp_status read_buffer(struct gp_gltf *g, int index)
     int declared = 0;
     gp_status st;
     gp_gltf_place(g, "buffer", index, &at);
-    GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &declared, NULL));
-    GP_TRY(gp_json_text(&at.p, o, "uri", &uri, NULL));
+    GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &declared));
+    GP_TRY(gp_json_text(&at.p, o, "uri", &uri));
     if (!uri && gp_gltf_extension(o, "EXT_meshopt_compression"))
         return GP_OK; // a fallback without bytes: who uses it gets none
     if (!uri && index == 0 && g->chunk.at) {
@@ -246,9 +243,9 @@ gp_status gp_gltf_view(const struct gp_gltf *g, int index,
     GP_TRY(gp_gltf_index(g, &at, o, "buffer", "buffers", &buffer));
     if (buffer < 0)
         GP_TRY(gp_gltf_fail(&at, "no \"buffer\""));
-    GP_TRY(gp_json_int(&at.p, o, "byteOffset", 0, MOST_FILE, &offset, NULL));
-    GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &bytes, NULL));
-    GP_TRY(gp_json_int(&at.p, o, "byteStride", 4, 252, stride, NULL));
+    GP_TRY(gp_json_int(&at.p, o, "byteOffset", 0, MOST_FILE, &offset));
+    GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &bytes));
+    GP_TRY(gp_json_int(&at.p, o, "byteStride", 4, 252, stride));
     const struct gp_gltf_span all = g->buffer[buffer].span;
     if (offset > all.bytes || bytes > all.bytes - offset)
         GP_TRY(gp_gltf_fail(&at, "it leaves its buffer (bytes %d to %lld of "
@@ -269,7 +266,7 @@ gp_status gp_gltf_image(const struct gp_gltf *g, int index,
     gp_status st;
     *span = (struct gp_gltf_span) {0};
     gp_gltf_place(g, "image", index, &at);
-    GP_TRY(gp_json_text(&at.p, o, "uri", &uri, NULL));
+    GP_TRY(gp_json_text(&at.p, o, "uri", &uri));
     GP_TRY(gp_gltf_index(g, &at, o, "bufferView", "bufferViews", &view));
     if (view >= 0) {
         GP_TRY(gp_gltf_view(g, view, span, &stride));
@@ -326,8 +323,8 @@ static gp_status check_root(const struct gp_gltf *g)
     if (!json_is_object(g->root))
         return gp_gltf_fail(&g->whole, "not glTF (its JSON is no object)");
     json_t *const asset = json_object_get(g->root, "asset");
-    GP_TRY(gp_json_text(&g->whole.p, asset, "version", &version, NULL));
-    GP_TRY(gp_json_text(&g->whole.p, asset, "minVersion", &least, NULL));
+    GP_TRY(gp_json_text(&g->whole.p, asset, "version", &version));
+    GP_TRY(gp_json_text(&g->whole.p, asset, "minVersion", &least));
     if (strncmp(version, "2.", 2) != 0 || strcmp(least, "2.0") != 0)
         return gp_gltf_fail(&g->whole, "not glTF 2.0 (\"version\" is %.20s, "
                             "\"minVersion\" %.20s)", version, least);

@@ -73,8 +73,8 @@ static gp_status read_cutout(struct gp_gltf *g, int texture,
     GP_TRY(read_image(g, image, images, texels, out, texture));
     if (sampler >= 0) {
         json_t *const s = gp_gltf_item(g, "samplers", sampler);
-        GP_TRY(gp_json_int(&at.p, s, "wrapS", 0, INT_MAX, &code[0], NULL));
-        GP_TRY(gp_json_int(&at.p, s, "wrapT", 0, INT_MAX, &code[1], NULL));
+        GP_TRY(gp_json_int(&at.p, s, "wrapS", 0, INT_MAX, &code[0]));
+        GP_TRY(gp_json_int(&at.p, s, "wrapT", 0, INT_MAX, &code[1]));
     }
     for (int i = 0; i < 2; i++)
         c->wrap[i] = wrap_of(code[i]);
@@ -98,7 +98,7 @@ static gp_status read_glass(struct gp_gltf *g, const struct gp_gltf_at *at,
     json_t *const glass = gp_gltf_extension(o, "KHR_materials_transmission");
     double factor = 0.0;
     const gp_status st = gp_json_number(&at->p, glass, "transmissionFactor",
-                                        0.0, 1.0, &factor, NULL);
+                                        0.0, 1.0, &factor);
     if (st || !(factor > 0.0))
         return st;
     const bool textured = json_object_get(glass, "transmissionTexture");
@@ -122,12 +122,10 @@ static gp_status read_material(struct gp_gltf *g, int index, int *texture,
     gp_status st;
     gp_gltf_place(g, "material", index, &at);
     GP_TRY(gp_json_numbers(&at.p, json_object_get(o, "pbrMetallicRoughness"),
-                           "baseColorFactor", 4, 0.0, 1.0, colour,
-                           NULL));
-    GP_TRY(gp_json_choice(&at.p, o, "alphaMode", modes, &mode, NULL));
+                           "baseColorFactor", 4, 0.0, 1.0, colour));
+    GP_TRY(gp_json_choice(&at.p, o, "alphaMode", modes, &mode));
     if (mode == 1)
-        GP_TRY(gp_json_number(&at.p, o, "alphaCutoff", 0.0, 1e6, &cutoff,
-                              NULL));
+        GP_TRY(gp_json_number(&at.p, o, "alphaCutoff", 0.0, 1e6, &cutoff));
     GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", texture));
     if (!mode)
         *texture = -1; // its alpha is ignored
@@ -201,12 +199,6 @@ static int triangles(int mode, int n, const uint32_t *v, uint32_t *to)
         to[k++] = v[mode == 6 ? 0 : i + 2 - odd];
     }
     return k;
-}
-
-/* Returns how many vertices these triangles have. */
-static long long triangle_vertices(int mode, int n)
-{
-    return n < 3 ? 0 : mode == 4 ? n / 3 * 3 : 3LL * (n - 2);
 }
 
 /* Texture coordinates of a cut-out. */
@@ -308,12 +300,12 @@ static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
     if (w->out->material[material].cutout < 0)
         return GP_OK;
     gp_gltf_place(w->g, "material", material, &of);
-    GP_TRY(gp_json_int(&of.p, base, "texCoord", 0, 99, &set, NULL));
+    GP_TRY(gp_json_int(&of.p, base, "texCoord", 0, 99, &set));
     uv->moved = o ? material : -1;
-    GP_TRY(gp_json_int(&of.p, o, "texCoord", 0, 99, &set, NULL));
-    GP_TRY(gp_json_numbers(&of.p, o, "scale", 2, -1e6, 1e6, uv->scale, NULL));
-    GP_TRY(gp_json_number(&of.p, o, "rotation", -1e6, 1e6, &uv->turn, NULL));
-    GP_TRY(gp_json_numbers(&of.p, o, "offset", 2, -1e6, 1e6, uv->offset, NULL));
+    GP_TRY(gp_json_int(&of.p, o, "texCoord", 0, 99, &set));
+    GP_TRY(gp_json_numbers(&of.p, o, "scale", 2, -1e6, 1e6, uv->scale));
+    GP_TRY(gp_json_number(&of.p, o, "rotation", -1e6, 1e6, &uv->turn));
+    GP_TRY(gp_json_numbers(&of.p, o, "offset", 2, -1e6, 1e6, uv->offset));
     snprintf(key, sizeof key, "TEXCOORD_%d", set);
     st = gp_gltf_index(w->g, at, attributes, key, "accessors", &uv->accessor);
 out:
@@ -349,7 +341,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
     gp_status st;
     if (!json_is_object(o))
         return gp_gltf_fail(at, "\"primitives\" holds no object");
-    GP_TRY(gp_json_int(&at->p, o, "mode", 0, 6, &mode, NULL));
+    GP_TRY(gp_json_int(&at->p, o, "mode", 0, 6, &mode));
     GP_TRY(gp_gltf_index(g, at, attributes, "POSITION", "accessors",
                          &positions));
     GP_TRY(gp_gltf_index(g, at, o, "indices", "accessors", &indices));
@@ -370,7 +362,8 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
                             "is not supported"));
     GP_TRY(read_vertices(w, positions, &uv, &a));
     const int count = indices >= 0 ? index.count : a.count;
-    const long long n = triangle_vertices(mode, count);
+    const long long n =
+        count < 3 ? 0 : mode == 4 ? count / 3 * 3 : 3LL * (count - 2);
     if (n > INT_MAX - w->indices)
         GP_TRY(gp_gltf_fail(at, "over %d indices", INT_MAX));
     if (w->fill) {

@@ -22,14 +22,15 @@ static gp_status read_node(const struct gp_gltf *g, int index,
         .parent = -1, .turn = {0, 0, 0, 1}, .scale = {1, 1, 1},
     };
     gp_gltf_place(g, "node", index, &at);
-    GP_TRY(gp_json_numbers(&at.p, o, "matrix", 16, -MOST_PLACE,
-                           MOST_PLACE, n->local, &n->matrix));
-    GP_TRY(gp_json_numbers(&at.p, o, "translation", 3, -MOST_PLACE,
-                           MOST_PLACE, n->move, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "rotation", 4, -MOST_PLACE,
-                           MOST_PLACE, n->turn, NULL));
+    n->matrix = json_object_get(o, "matrix");
+    GP_TRY(gp_json_numbers(&at.p, o, "matrix", 16, -MOST_PLACE, MOST_PLACE,
+                           n->local));
+    GP_TRY(gp_json_numbers(&at.p, o, "translation", 3, -MOST_PLACE, MOST_PLACE,
+                           n->move));
+    GP_TRY(gp_json_numbers(&at.p, o, "rotation", 4, -MOST_PLACE, MOST_PLACE,
+                           n->turn));
     GP_TRY(gp_json_numbers(&at.p, o, "scale", 3, -MOST_PLACE, MOST_PLACE,
-                           n->scale, NULL));
+                           n->scale));
     if (n->turn[0] == 0.0 && n->turn[1] == 0.0 && n->turn[2] == 0.0 &&
         n->turn[3] == 0.0)
         GP_TRY(gp_gltf_fail(&at, "\"rotation\" is 0, 0, 0, 0, no turn"));
@@ -167,20 +168,17 @@ static gp_status read_light(const struct gp_gltf_at *at, json_t *o,
     };
     if (!json_is_object(o))
         return gp_gltf_fail(at, "not an object");
-    GP_TRY(gp_json_choice(&at->p, o, "type", kinds, &kind, NULL));
+    GP_TRY(gp_json_choice(&at->p, o, "type", kinds, &kind));
     if (kind < 0)
         GP_TRY(gp_gltf_fail(at, "no \"type\""));
     l->kind = (enum gp_scene_light_kind) kind;
-    GP_TRY(gp_json_numbers(&at->p, o, "color", 3, 0.0, 1e6, l->color,
-                           NULL));
-    GP_TRY(gp_json_number(&at->p, o, "intensity", 0.0, 1e12, &l->intensity,
-                          NULL));
-    GP_TRY(gp_json_number(&at->p, o, "range", 0.0, MOST_PLACE, &l->range,
-                          NULL));
+    GP_TRY(gp_json_numbers(&at->p, o, "color", 3, 0.0, 1e6, l->color));
+    GP_TRY(gp_json_number(&at->p, o, "intensity", 0.0, 1e12, &l->intensity));
+    GP_TRY(gp_json_number(&at->p, o, "range", 0.0, MOST_PLACE, &l->range));
     GP_TRY(gp_json_number(&at->p, spot, "innerConeAngle", 0.0, M_PI / 2,
-                          &l->inner, NULL));
+                          &l->inner));
     GP_TRY(gp_json_number(&at->p, spot, "outerConeAngle", 0.0, M_PI / 2 + 1e-6,
-                          &l->outer, NULL));
+                          &l->outer));
     if (!(l->range > 0.0))
         GP_TRY(gp_gltf_fail(at, "\"range\" is not over 0 (found %g)",
                             l->range));
@@ -226,16 +224,16 @@ static gp_status read_camera(const struct gp_gltf *g, int index,
     gp_status st;
     *c = (struct gp_scene_camera) {0};
     gp_gltf_place(g, "camera", index, &at);
-    GP_TRY(gp_json_choice(&at.p, o, "type", kinds, &kind, NULL));
+    GP_TRY(gp_json_choice(&at.p, o, "type", kinds, &kind));
     if (kind < 0)
         GP_TRY(gp_gltf_fail(&at, "no \"type\""));
     *perspective = kind == 0;
     gp_gltf_name(o, c->name);
     if (kind == 1)
         return GP_OK;
-    GP_TRY(gp_json_number(&at.p, p, "yfov", 1e-6, M_PI - 1e-6, &c->yfov, NULL));
-    GP_TRY(gp_json_number(&at.p, p, "znear", 0.0, MOST_PLACE, &c->near, NULL));
-    GP_TRY(gp_json_number(&at.p, p, "zfar", 0.0, MOST_PLACE, &far, NULL));
+    GP_TRY(gp_json_number(&at.p, p, "yfov", 1e-6, M_PI - 1e-6, &c->yfov));
+    GP_TRY(gp_json_number(&at.p, p, "znear", 0.0, MOST_PLACE, &c->near));
+    GP_TRY(gp_json_number(&at.p, p, "zfar", 0.0, MOST_PLACE, &far));
     if (!(c->yfov > 0.0) || !(far > c->near))
         GP_TRY(gp_gltf_fail(&at, "no \"yfov\", or \"zfar\" not over \"znear\""));
 out:
@@ -260,7 +258,7 @@ static gp_status place_node(struct gp_gltf *g, int index,
     GP_TRY(gp_gltf_index(g, &at, o, "mesh", "meshes", &mesh));
     GP_TRY(gp_gltf_index(g, &at, o, "camera", "cameras", &cam));
     GP_TRY(gp_json_int(&at.p, gp_gltf_extension(o, "KHR_lights_punctual"),
-                       "light", 0, INT_MAX, &light, NULL));
+                       "light", 0, INT_MAX, &light));
     if (light >= defined)
         GP_TRY(gp_gltf_fail(&at, "no such light (found %d, the file has %d)",
                             light, defined));
@@ -277,7 +275,7 @@ static gp_status place_node(struct gp_gltf *g, int index,
         *l = defs[light];
         l->node = index;
         GP_TRY(gp_json_number(&at.p, json_object_get(o, "extras"),
-                              "ball_radius", 0.0, MOST_PLACE, &l->ball, NULL));
+                              "ball_radius", 0.0, MOST_PLACE, &l->ball));
         if (*name)
             memcpy(l->name, name, sizeof name);
     }

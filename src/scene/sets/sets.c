@@ -292,15 +292,6 @@ static gp_status depths_make(const struct gp_log *log, struct gp_rect window,
     return GP_OK;
 }
 
-/* Returns the greatest depth of a surface, with its slack; 0: there is none. */
-static double depths_deepest(const struct depths *d)
-{
-    double deepest = 0.0;
-    for (int i = 0; i < d->across * d->down; i++)
-        deepest = fmax(deepest, (double) d->tile[i].deepest);
-    return deepest * (1.0 + DEPTH_SLACK);
-}
-
 /* The tiles that pixels are in. */
 static struct gp_rect tiles_of(const struct depths *d, struct gp_rect r)
 {
@@ -488,8 +479,10 @@ gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
     if (st)
         return st;
     s->far = far_of(s->scene, &s->view);
-    if (shows_depths(s))
-        s->far = fmax(s->far, depths_deepest(&s->depths));
+    for (int i = 0; shows_depths(s) && i < s->depths.across * s->depths.down;
+         i++)
+        s->far = fmax(s->far, (double) s->depths.tile[i].deepest *
+                                  (1.0 + DEPTH_SLACK));
     const struct gp_scissor all = {s->view.window, s->view.near, s->far};
     s->frustum = hull_of(&s->view, &all, NULL);
     flag_frame(s);

@@ -29,9 +29,7 @@ struct umbra {
 
 struct gp_umbras {
     const struct gp_scene *scene;
-    int *of_mesh;      // bodies; -1: none; owned
-    struct body *body; // owned
-    int bodies;
+    struct body *body; // of each mesh; without faces: none; owned
     struct umbra umbra[OCCLUDERS];
     int n;
 };
@@ -54,13 +52,6 @@ bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
 // -- bodies ------------------------------------------------------------------
 
 static const double ON = 1e-5; // of the size of the body: floats of a file
-
-/* True where no light passes through a submesh. */
-static bool is_opaque(const struct gp_scene *s, const struct gp_submesh *p)
-{
-    const struct gp_material *const m = &s->material[p->material];
-    return !gp_material_cut(m) && !gp_material_gone(m);
-}
 
 /* Returns the index of a point of the body, added when it is none yet; -1: no
  * room. */
@@ -148,30 +139,31 @@ static bool is_convex(const struct body *b, double near)
     return b->points - b->edges + b->faces == 2; // closed (Euler)
 }
 
-/* Finds the body of a mesh: of all of its triangles at once. False where they
- * make none. Triangles without area do not count. */
-static bool find_body(const struct gp_scene *s, int mesh, struct body *out)
+/* Finds the body of a mesh: of all of its triangles at once; without faces
+ * where they make none. Triangles without area do not count. */
+static void find_body(const struct gp_scene *s, int mesh, struct body *out)
 {
     const struct gp_mesh *const m = &s->mesh[mesh];
     const double size = gp_v3_length(gp_v3_sub(m->box.hi, m->box.lo));
     const double near = ON * size;
+    bool good = true;
     memset(out, 0, sizeof *out);
     for (int k = m->first; k < m->first + m->submeshes; k++) {
         const struct gp_submesh *const p = &s->submesh[k];
-        if (!is_opaque(s, p))
-            return false;
-        for (int i = p->first; i < p->first + p->count; i += 3) {
+        const struct gp_material *const of = &s->material[p->material];
+        good = good && !gp_material_cut(of) && !gp_material_gone(of);
+        for (int i = p->first; good && i < p->first + p->count; i += 3) {
             int v[3];
             for (int c = 0; c < 3; c++)
                 v[c] = point_of(out, gp_scene_vertex(s, s->index[i + c]), near);
-            if (v[0] < 0 || v[1] < 0 || v[2] < 0 || !add_face(out, v))
-                return false;
+            good = v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && add_face(out, v);
         }
     }
     for (int i = 0; i < out->points; i++)
         out->middle = gp_v3_add(
             out->middle, gp_v3_scale(out->point[i], 1.0 / out->points));
-    return is_convex(out, near);
+    if (!good || !is_convex(out, near))
+        out->faces = 0;
 }
 
 gp_status gp_umbras_open(const struct gp_log *log, const struct gp_scene *s,
@@ -179,34 +171,22 @@ gp_status gp_umbras_open(const struct gp_log *log, const struct gp_scene *s,
 {
     static const char what[] = "bodies of the scene";
     struct gp_umbras *u;
-    struct body found;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, what, 1, sizeof *u, out));
     u = *out;
     u->scene = s;
-    GP_TRY(gp_alloc(log, what, (size_t) s->meshes + 1, sizeof *u->of_mesh,
-                    &u->of_mesh));
-    for (int i = 0; i < s->meshes; i++) {
-        u->of_mesh[i] = -1;
-        if (!find_body(s, i, &found))
-            continue;
-        const size_t n = (size_t) u->bodies;
-        if ((n & (n - 1)) == 0) // 0, 1, 2, 4...
-            GP_TRY(gp_resize(log, what, (n ? 2 * n : 1) * sizeof found,
-                             (void **) &u->body));
-        u->body[n] = found;
-        u->of_mesh[i] = u->bodies++;
-    }
+    GP_TRY(gp_alloc(log, what, (size_t) s->meshes + 1, sizeof *u->body,
+                    &u->body));
+    for (int i = 0; i < s->meshes; i++)
+        find_body(s, i, &u->body[i]);
 out:
     return st;
 }
 
 void gp_umbras_close(struct gp_umbras **u)
 {
-    if (*u) {
-        gp_free((*u)->of_mesh);
+    if (*u)
         gp_free((*u)->body);
-    }
     GP_FREE(*u);
 }
 
@@ -290,7 +270,7 @@ void gp_umbras_light(struct gp_umbras *u, const uint8_t *flag,
     double angle[OCCLUDERS];    // falling
     for (int i = 0; flag && i < s->objects; i++) {
         const double is = angle_of(&s->object[i], light);
-        if (!(flag[i] & GP_SET_L) || u->of_mesh[s->object[i].mesh] < 0 ||
+        if (!(flag[i] & GP_SET_L) || !u->body[s->object[i].mesh].faces ||
             !(is > 0.0) || (n == OCCLUDERS && angle[n - 1] >= is))
             continue;
         n += n < OCCLUDERS;
@@ -305,8 +285,7 @@ void gp_umbras_light(struct gp_umbras *u, const uint8_t *flag,
     u->n = 0;
     for (int k = 0; k < n; k++) {
         const struct gp_object *const o = &s->object[most[k]];
-        make_umbra(&u->body[u->of_mesh[o->mesh]], o->to_world, light,
-                   &u->umbra[u->n]);
+        make_umbra(&u->body[o->mesh], o->to_world, light, &u->umbra[u->n]);
         u->n += u->umbra[u->n].planes > 0;
     }
 }
