@@ -725,8 +725,15 @@ struct glarepp_lens_facts {
                                 // "default"
     double rest;                // share of the sources without ghosts
     double bound;               // of rel_l2 of the layer, of ghosts left out
-    int lights, ghosts, drawn, left_out;
-    double light[3], lost, dark, missing, steps[5];
+    int lights, ghosts;         // with light; pairs of surfaces
+    int drawn, left_out;        // pairs
+    double light[3];            // of the ghosts, inside and outside the frame
+    double lost;                // share of their light whose rays miss a surface
+                                // or are reflected wholly
+    double dark;                // luminance at a pixel of all ghosts left out,
+                                // by first order, over the picture's mean
+    double missing;             // bound of their norm over pixels and channels
+    double steps[5];            // ghosts drawn at 1, 2, 4, 8, 16 pixels a step
 };
 
 struct glarepp_scene_facts {

@@ -37,14 +37,10 @@ struct glarepp {
     char *list[2];           // names in folders, null bytes between; owned
 };
 
-/* Begins a call: the thread works in the context. End with gp_api_end(). */
-struct gp_api_call {
-    const struct gp_env *before;
-    bool entered;            // here: it was not in this context before
-    struct glarepp *outer;   // context that it was in, or NULL
-};
-struct gp_api_call gp_api_begin(struct glarepp *gp);
-int gp_api_end(const struct gp_api_call *call, gp_status st); // returns st
+/* Begins a call: the thread works in the context. Returns the one that it was
+ * in, or NULL; end with gp_api_end(), which returns st. */
+struct glarepp *gp_api_begin(struct glarepp *gp);
+int gp_api_end(struct glarepp *outer, gp_status st);
 
 /* Returns a log to a sink, which it borrows. */
 struct gp_log gp_api_log(struct gp_api_sink *sink);

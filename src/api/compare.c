@@ -50,7 +50,7 @@ int glarepp_compare(struct glarepp *gp, const struct glarepp_compare_params *how
     const struct glarepp_stored *a, const struct glarepp_stored *b,
     struct glarepp_compare **out)
 {
-    const struct gp_api_call call = gp_api_begin(gp);
+    struct glarepp *const outer = gp_api_begin(gp);
     struct gp_api_sink sink = {.gp = gp, .name = a->name};
     const struct gp_log log = gp_api_log(&sink);
     struct glarepp_compare_params p = GLAREPP_COMPARE_PARAMS;
@@ -76,7 +76,7 @@ int glarepp_compare(struct glarepp *gp, const struct glarepp_compare_params *how
     c = NULL;
 out:
     glarepp_compare_end(&c);
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
 void glarepp_compare_end(struct glarepp_compare **compare)
@@ -98,7 +98,7 @@ glarepp_compare_facts(const struct glarepp_compare *compare)
 int glarepp_compare_view(const struct glarepp_compare *c, int pair,
                          bool absolute, float scale, struct glarepp_image *out)
 {
-    const struct gp_api_call call = gp_api_begin(c->gp);
+    struct glarepp *const outer = gp_api_begin(c->gp);
     const struct gp_log *const log = &c->gp->log;
     const struct gp_image f = gp_image_blank(c->match.window);
     const size_t pixels = gp_image_pixels(&f);
@@ -120,5 +120,5 @@ int glarepp_compare_view(const struct glarepp_compare *c, int pair,
     }
     *out = gp_api_view(&p, f.data, NULL);
 out:
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }

@@ -98,24 +98,22 @@ gp_status gp_api_params(const struct gp_log *log, const char *name, void *to,
  * another context within a callback make it more than one. */
 static _Thread_local struct glarepp *inside;
 
-struct gp_api_call gp_api_begin(struct glarepp *gp)
+struct glarepp *gp_api_begin(struct glarepp *gp)
 {
-    const struct gp_api_call call = {
-        .before = gp_env_use(&gp->env), .entered = inside != gp,
-        .outer = inside,
-    };
-    if (call.entered)
+    struct glarepp *const outer = inside;
+    gp_env_use(&gp->env);
+    if (outer != gp)
         gp_parallel_enter();
     inside = gp;
-    return call;
+    return outer;
 }
 
-int gp_api_end(const struct gp_api_call *call, gp_status st)
+int gp_api_end(struct glarepp *outer, gp_status st)
 {
-    if (call->entered)
+    if (outer != inside)
         gp_parallel_leave();
-    inside = call->outer;
-    gp_env_use(call->before);
+    inside = outer;
+    gp_env_use(outer ? &outer->env : NULL);
     return (int) st;
 }
 
@@ -127,8 +125,7 @@ void glarepp_enter(struct glarepp *gp)
 void glarepp_leave(struct glarepp *gp)
 {
     (void) gp;
-    struct gp_api_call call = {.entered = true};
-    (void) gp_api_end(&call, GP_OK);
+    (void) gp_api_end(NULL, GP_OK);
 }
 
 // -- contexts -----------------------------------------------------------------

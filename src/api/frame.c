@@ -40,7 +40,7 @@ int glarepp_frame(struct glarepp_plan *plan,
                   const struct glarepp_frame_params *from,
                   struct glarepp_frame **out)
 {
-    const struct gp_api_call call = gp_api_begin(plan->gp);
+    struct glarepp *const outer = gp_api_begin(plan->gp);
     struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
     struct glarepp_frame *f = NULL;
     gp_status st;
@@ -70,7 +70,7 @@ int glarepp_frame(struct glarepp_plan *plan,
     f = NULL;
 out:
     glarepp_frame_end(&f);
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
 /* Planes of a view that the frame makes; NULL: others. */
@@ -200,7 +200,7 @@ static gp_status replace_layer(struct glarepp_frame *f,
 int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
                       const struct glarepp_image *plane)
 {
-    const struct gp_api_call call = gp_api_begin(f->plan->gp);
+    struct glarepp *const outer = gp_api_begin(f->plan->gp);
     struct gp_plane *const to = view == GLAREPP_DEPTH      ? &f->depth
                                 : view == GLAREPP_COVERAGE ? &f->mask
                                 : view == GLAREPP_NORMAL   ? f->normal
@@ -226,11 +226,10 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
             GP_TRY(gp_no_memory_bare(&f->log, "plane"));
     }
 out:
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
-/* Makes the lit frame, or a group's, in the output space; of a frame that is not
- * composed, its own pixels. */
+/* Makes the lit frame, or a group's, in the output space; else its pixels. */
 static gp_status convert(struct glarepp_frame *f, int group)
 {
     struct gp_image *const image =
@@ -280,7 +279,7 @@ static gp_status draw_map(struct glarepp_frame *f, bool intensity,
 int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
                        int group, struct glarepp_image *out)
 {
-    const struct gp_api_call call = gp_api_begin(f->plan->gp);
+    struct glarepp *const outer = gp_api_begin(f->plan->gp);
     const bool grouped = group > 0 && group <= f->groups;
     struct gp_image *const image =
         grouped ? &f->group[group - 1].image : &f->image;
@@ -315,5 +314,5 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
                           f->sink.name, (int) view));
     *out = gp_api_view(planes, data, picture ? NULL : image);
 out:
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }

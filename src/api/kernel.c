@@ -12,26 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct gp_kernel_label label_of(const struct glarepp_label *l)
-{
-    return (struct gp_kernel_label) {
-        .present = l->present, .w = l->w, .h = l->h, .fov = l->fov,
-        .left_out = l->left_out, .beyond = l->beyond, .share = l->share,
-    };
-}
-
 // -- words --------------------------------------------------------------------
-
-/* Has the caller decode an image of the request. */
-static gp_status read_image(struct glarepp *gp, struct gp_kernel_request *r,
-                            int i, const char *path)
-{
-    struct glarepp_label label = {0};
-    const gp_status st = gp_api_picture(gp, &gp->log, path, &r->image[i],
-                                        &label);
-    r->label[i] = label_of(&label);
-    return st;
-}
 
 /* Reads several words, or one recipe, as recipes, and their images. */
 static gp_status read_recipes(struct glarepp *gp,
@@ -50,11 +31,11 @@ static gp_status read_recipes(struct glarepp *gp,
             st || p->unread ? NULL : gp_recipe_file(recipe);
         if (!file)
             continue;
-        st = read_image(gp, r, i, file);
+        st = gp_api_picture(gp, &gp->log, file, &r->image[i], &r->label[i]);
         if (st)
             break;
         if (strcmp(recipe->model->name, "image") != 0)
-            r->label[i] = (struct gp_kernel_label) {0};
+            r->label[i] = (struct glarepp_label) {0};
         recipe->image = &r->image[i];
         recipe->as_it_is = r->label[i].present;
     }
@@ -83,9 +64,10 @@ static gp_status read_request(struct glarepp *gp,
         return read_recipes(gp, p, word, words, r);
     if (p->image) {
         GP_TRY(gp_api_import(&gp->log, p->image, false, &r->image[0]));
-        r->label[0] = label_of(&p->label);
+        r->label[0] = p->label;
     } else {
-        GP_TRY(read_image(gp, r, 0, word[0]));
+        GP_TRY(gp_api_picture(gp, &gp->log, word[0], &r->image[0],
+                              &r->label[0]));
     }
     r->params = (struct gp_kernel_params) {
         .centered = p->centred, .center = {p->centre[0], p->centre[1]},
@@ -100,7 +82,7 @@ out:
 int glarepp_kernel(struct glarepp *gp, const struct glarepp_kernel_params *p,
                    struct glarepp_kernel **out)
 {
-    const struct gp_api_call call = gp_api_begin(gp);
+    struct glarepp *const outer = gp_api_begin(gp);
     struct glarepp_kernel_params own = GLAREPP_KERNEL_PARAMS;
     struct glarepp_kernel *k = NULL;
     gp_status st;
@@ -118,7 +100,7 @@ int glarepp_kernel(struct glarepp *gp, const struct glarepp_kernel_params *p,
     k = NULL;
 out:
     glarepp_kernel_end(&k);
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
 void glarepp_kernel_end(struct glarepp_kernel **kernel)
@@ -182,7 +164,7 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
     const struct glarepp_field *field, struct glarepp_image *out,
     struct glarepp_label *label)
 {
-    const struct gp_api_call call = gp_api_begin(kernel->gp);
+    struct glarepp *const outer = gp_api_begin(kernel->gp);
     const struct gp_log *const log = &kernel->gp->log;
     const struct gp_kernel_request *const r = &kernel->request;
     const int reach = field->radius ? field->radius + 1 : INT_MAX;
@@ -227,7 +209,7 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
 out:
     gp_kernel_free(&k);
     gp_kernel_free(&cut);
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
 // -- checks -------------------------------------------------------------------
@@ -270,8 +252,8 @@ static void judge(struct gp_kernel_figures *f, const struct gp_kernel_use *use,
 int glarepp_kernel_check(struct glarepp *gp, const struct glarepp_image *kernel,
     const struct glarepp_kernel_use *how, struct glarepp_kernel_figures *out)
 {
-    const struct gp_api_call call = gp_api_begin(gp);
-    const struct gp_kernel_label label = label_of(&how->label);
+    struct glarepp *const outer = gp_api_begin(gp);
+    const struct glarepp_label label = how->label;
     const double scale = how->percent > 0.0 ? how->percent / 100.0 : 1.0;
     const struct gp_kernel_params p = {
         .normalize = GP_NORMALIZE_NONE, .rotate = (float) how->rotate,
@@ -315,5 +297,5 @@ int glarepp_kernel_check(struct glarepp *gp, const struct glarepp_image *kernel,
 out:
     gp_kernel_free(&k);
     gp_image_free(&image);
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }

@@ -12,8 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Focuses the lens by the plan, else by the frame's focus and aperture, where the
- * lens can do as they say. */
+/* Focuses the lens by the plan, else by the frame where it can do so. */
 static gp_status focus(const struct glarepp_frame *f, const struct gp_log *log,
                        struct gp_lens *lens)
 {
@@ -36,8 +35,7 @@ static gp_status focus(const struct glarepp_frame *f, const struct gp_log *log,
     return gp_lens_focus(log, lens, distance, f_number);
 }
 
-/* Returns the width of the display window on the sensor in mm: the plan's, by
- * the angle of view, the frame's, or of the format that the lens is for. */
+/* Returns the width of the display window on the sensor in mm. */
 static double sensor_width(struct glarepp_frame *f, const struct gp_lens *lens)
 {
     const double w = gp_rect_w(f->image.display) *
@@ -85,20 +83,6 @@ bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out)
     return true;
 }
 
-static void note_lens(struct glarepp_lens_facts *facts,
-                      const struct gp_lens_stats *s)
-{
-    facts->lights = s->lights;
-    facts->ghosts = s->ghosts;
-    facts->drawn = s->drawn;
-    facts->left_out = s->left_out;
-    facts->lost = s->lost;
-    facts->dark = s->dark;
-    facts->missing = s->missing;
-    memcpy(facts->light, s->light, sizeof facts->light);
-    memcpy(facts->steps, s->steps, sizeof facts->steps);
-}
-
 /* Adds ghosts of the lens to image.layer, which is made. */
 static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
 {
@@ -108,13 +92,13 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
     const struct gp_suns *const suns =
         f->work->lights ? &f->work->lights->suns : &none;
     struct gp_lens_light *light = NULL;
-    struct gp_lens_stats stats = {0};
+    struct glarepp_lens_facts found = {0};
     struct gp_lens lens;
-    double dark[3] = {0}, sum[3], squares;
+    double dark[3] = {0}, rest, sum[3], squares;
     gp_status st;
     int n = 0;
     GP_TRY(gp_lens_lights(&f->log, suns->light, suns->n, &f->sources, &light,
-                          &n, &facts->rest, dark));
+                          &n, &rest, dark));
     GP_TRY(focus(f, &f->log, &lens));
     const double width = sensor_width(f, &lens);
     const double mm = width / gp_rect_w(image->display);
@@ -129,18 +113,19 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
         .rest = {dark[0], dark[1], dark[2]},
         .detail = detail,
     };
-    facts->name = f->plan->lens.name;
-    facts->sensor = width;
-    stats.lights = n;
     if (n) {
         GP_TRY(gp_lens_draw(&f->log, &lens, &view, light, n, &image->layer,
-                            &stats));
+                            &found));
         // all ghosts are light: the exact layer is no less than one without some
         gp_planes_sum(&image->layer, gp_image_pixels(image), sum, &squares);
-        facts->bound =
-            stats.missing > 0.0 ? stats.missing / sqrt(squares) : 0.0;
+        found.bound =
+            found.missing > 0.0 ? found.missing / sqrt(squares) : 0.0;
     }
-    note_lens(facts, &stats);
+    found.name = f->plan->lens.name;
+    found.sensor = width;
+    found.sensor_from = facts->sensor_from;
+    found.rest = rest;
+    *facts = found;
 out:
     gp_free(light);
     return st;
@@ -192,7 +177,7 @@ int glarepp_lens(struct glarepp *gp, const char *lens, struct glarepp_lens *out)
     _Static_assert(sizeof out->name == sizeof ((struct gp_lens *) 0)->name &&
                        sizeof out->note == sizeof ((struct gp_lens *) 0)->note,
                    "texts are copied whole");
-    const struct gp_api_call call = gp_api_begin(gp);
+    struct glarepp *const outer = gp_api_begin(gp);
     struct gp_lens_figures figures;
     struct own *own = NULL;
     gp_status st;
@@ -216,7 +201,7 @@ int glarepp_lens(struct glarepp *gp, const char *lens, struct glarepp_lens *out)
 out:
     if (st)
         glarepp_lens_end(out);
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
 void glarepp_lens_end(struct glarepp_lens *lens)

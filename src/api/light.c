@@ -59,8 +59,7 @@ static struct gp_eye_disc disc_of(const struct gp_light *l, struct gp_v3 eye)
                : gp_eye_sun(eye, at, s->half);
 }
 
-/* Sets the clear share outside the frame of each light, where the scene
- * decides, by rays. */
+/* Sets each light's clear share outside of the frame, by the scene's rays. */
 static gp_status measure_outside(struct glarepp_frame *f)
 {
     struct gp_api_scene *const scene = f->work->scene;
@@ -211,8 +210,7 @@ static void add_row(void *ctx, int y, int thread)
     a->sum[2 * y + 1] = own;
 }
 
-/* Adds the layer of a run to that of an image. Returns the squared norms of the
- * whole and of the image's part in norm2[0] and [1]. */
+/* Adds a run's layer; squared norms of it and of its part in the image. */
 static gp_status add_layer(const struct gp_log *log,
     const struct gp_image *from, struct gp_image *image, double norm2[2])
 {

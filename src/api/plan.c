@@ -13,22 +13,28 @@
 
 enum { MOST_TEXTS = 64 };
 
+/* Has the plan own a block; NULL: memory is full. */
+static gp_status own(struct glarepp_plan *plan, void *block)
+{
+    if (!block || plan->texts == MOST_TEXTS) {
+        free(block);
+        return gp_no_memory_bare(&plan->log, "plan");
+    }
+    plan->text[plan->texts++] = block;
+    return GP_OK;
+}
+
 /* Replaces a string by a copy that the plan owns. */
 static gp_status keep(struct glarepp_plan *plan, const char **text)
 {
     if (!*text)
         return GP_OK;
     char *const copy = gp_strdup(*text);
-    if (!copy || plan->texts == MOST_TEXTS) {
-        free(copy);
-        return gp_no_memory_bare(&plan->log, "plan");
-    }
-    *text = plan->text[plan->texts++] = copy;
-    return GP_OK;
+    *text = copy;
+    return own(plan, copy);
 }
 
-/* Replaces a list of strings by a copy: the list and its strings are one
- * block. */
+/* Replaces a list of strings by a copy, one block with its strings. */
 static gp_status keep_list(struct glarepp_plan *plan,
                            const char *const **list, int n)
 {
@@ -38,17 +44,15 @@ static gp_status keep_list(struct glarepp_plan *plan,
     for (int i = 0; i < n; i++)
         bytes += strlen((*list)[i]) + 1;
     const char **const copy = malloc(bytes);
-    if (!copy || plan->texts == MOST_TEXTS) {
-        free(copy);
-        return gp_no_memory_bare(&plan->log, "plan");
-    }
+    const gp_status st = own(plan, copy);
+    if (st)
+        return st;
     char *at = (char *) &copy[n];
     for (int i = 0; i < n; i++) {
         copy[i] = strcpy(at, (*list)[i]);
         at += strlen(at) + 1;
     }
     *list = copy;
-    plan->text[plan->texts++] = (char *) copy;
     return GP_OK;
 }
 
@@ -130,9 +134,7 @@ static gp_status take_lights(struct glarepp_plan *plan,
                           "too many (found %d); the limit is %d", p.lights,
                           GP_LIGHTS_MAX);
     spec = calloc((size_t) p.lights + 1, sizeof *spec);
-    if (!spec)
-        return gp_no_memory_bare(&plan->log, "lights");
-    plan->text[plan->texts++] = (char *) spec;
+    GP_TRY(own(plan, spec));
     for (int i = 0; i < p.lights; i++)
         spec[i] = spec_of(&p.light[i]);
     plan->camera_sun = spec_of(&p.sun);
@@ -236,8 +238,7 @@ out:
     return st;
 }
 
-/* Reads the lens, and checks what the parameters ask of it: attributes are each
- * frame's own. */
+/* Reads the lens, and checks what the parameters ask of it. */
 static gp_status open_lens(struct glarepp_plan *plan)
 {
     const struct glarepp_lens_params *const p = &plan->lens_params;
@@ -343,7 +344,7 @@ static gp_status fill_facts(struct glarepp_plan *plan,
 int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
                  struct glarepp_plan **out)
 {
-    const struct gp_api_call call = gp_api_begin(gp);
+    struct glarepp *const outer = gp_api_begin(gp);
     struct glarepp_plan_params p = GLAREPP_PLAN_PARAMS;
     struct glarepp_plan *plan = NULL;
     struct gp_api_work *work = NULL;
@@ -374,7 +375,7 @@ out:
         gp_api_give_back(plan, &work);
     if (st)
         glarepp_plan_end(&plan);
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
 void glarepp_plan_end(struct glarepp_plan **handle)
@@ -382,7 +383,7 @@ void glarepp_plan_end(struct glarepp_plan **handle)
     struct glarepp_plan *const plan = *handle;
     if (!plan)
         return;
-    const struct gp_api_call call = gp_api_begin(plan->gp);
+    struct glarepp *const outer = gp_api_begin(plan->gp);
     while (plan->work) {
         struct gp_api_work *w = plan->work;
         plan->work = w->next;
@@ -398,7 +399,7 @@ void glarepp_plan_end(struct glarepp_plan **handle)
     gp_free(plan->file);
     pthread_mutex_destroy(&plan->lock);
     GP_FREE(*handle);
-    (void) gp_api_end(&call, GP_OK);
+    (void) gp_api_end(outer, GP_OK);
 }
 
 const struct glarepp_plan_facts *

@@ -195,8 +195,7 @@ static void compare_cameras(struct glarepp_frame *f, const char *name,
               f->plan->scene.path, apart);
 }
 
-/* Finds the frame's camera, turns the scene to its world, and compares it with
- * the scene's own. */
+/* Finds the frame's camera, and turns the scene to its world. */
 static gp_status find_camera(struct glarepp_frame *f)
 {
     struct gp_api_scene *const own = f->work->scene;

@@ -108,7 +108,7 @@ out:
 int glarepp_sets(struct glarepp *gp, const struct glarepp_sets_params *params,
                  struct glarepp_sets *out)
 {
-    const struct gp_api_call call = gp_api_begin(gp);
+    struct glarepp *const outer = gp_api_begin(gp);
     struct glarepp_sets_params p = GLAREPP_SETS_PARAMS;
     struct gp_gl *gl = NULL;
     struct own *own;
@@ -139,7 +139,7 @@ out:
     gp_gl_close(&gl);
     if (st)
         glarepp_sets_end(out);
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
 void glarepp_sets_end(struct glarepp_sets *sets)
@@ -162,7 +162,7 @@ int glarepp_sets_view(struct glarepp_sets *sets, enum glarepp_view view,
 {
     struct own *const own = sets->own;
     const struct gp_log *const log = &own->gp->log;
-    const struct gp_api_call call = gp_api_begin(own->gp);
+    struct glarepp *const outer = gp_api_begin(own->gp);
     const size_t n = (size_t) own->w * (size_t) own->h;
     gp_status st = GP_OK;
     if (!own->view.c[0])
@@ -188,5 +188,5 @@ int glarepp_sets_view(struct glarepp_sets *sets, enum glarepp_view view,
     *out = gp_api_view(&own->view, (struct gp_rect) {0, 0, own->w, own->h},
                        NULL);
 out:
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }

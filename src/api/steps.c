@@ -21,8 +21,7 @@ static const struct gp_sources *all_light(const struct glarepp_frame *f)
     return f->joined.n ? &f->joined : &f->sources;
 }
 
-/* Finds the sources of each group, and replaces the frame's own by their
- * union. */
+/* Finds each group's sources; their union replaces the frame's own. */
 static gp_status sense_groups(struct glarepp_frame *f)
 {
     struct gp_sources *const src = &f->sources;
@@ -189,8 +188,7 @@ static void fit_lens(const struct gp_api_stop *stop, int recipes,
     }
 }
 
-/* The frame's use of its kernel: of several recipes, with the light that files
- * among them miss; *worst is the one that misses most. */
+/* The frame's use of its kernel; *worst is the recipe that misses most. */
 static struct gp_kernel_use use_of(const struct glarepp_frame *f, int *worst)
 {
     const struct gp_kernel_request *const r = f->plan->request;
@@ -251,13 +249,12 @@ static void warn_of(const struct glarepp_frame *f, int first, int last,
     gp_say_at(&f->log, GP_LEVEL_WARN, parameter, "%s", fault->line);
 }
 
-/* Warns, once a plan, of each fault of the kernel that a frame shows, and of an
- * image that was made for another angle than a frame's that is known. */
+/* Warns, once a plan, of each fault of the kernel that a frame shows. */
 static void warn_of_kernel(struct glarepp_frame *f,
     const struct gp_field *field, const struct gp_kernel_use *use, int worst)
 {
     const struct gp_kernel_request *const r = f->plan->request;
-    const struct gp_kernel_label *const l = &r->label[0];
+    const struct glarepp_label *const l = &r->label[0];
     struct gp_fault fault;
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
         const bool one = i == GP_RULE_LEFT_OUT;
@@ -280,8 +277,7 @@ static void warn_of_kernel(struct glarepp_frame *f,
                   used, 100.0 * made / field->degrees);
 }
 
-/* Warns, once a plan, of the faults of the samples of images among several
- * kernels. */
+/* Warns, once a plan, of faults of images among several kernels. */
 static gp_status warn_of_images(struct glarepp_frame *f)
 {
     const struct gp_kernel_request *const r = f->plan->request;
@@ -370,7 +366,7 @@ out:
 
 struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
 {
-    const struct gp_api_call call = gp_api_begin(f->plan->gp);
+    struct glarepp *const outer = gp_api_begin(f->plan->gp);
     const struct gp_kernel_request *const r = f->plan->request;
     const struct gp_rect reach = f->plan->reach;
     double down = 1.0, across = 1.0;
@@ -382,7 +378,7 @@ struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
         across = down / field.aspect;
     }
     gp_api_give_back(f->plan, &f->work);
-    (void) gp_api_end(&call, GP_OK);
+    (void) gp_api_end(outer, GP_OK);
     const double high = down == 1.0 ? 0.0 : 1.0;   // resampling reaches into
     const double wide = across == 1.0 ? 0.0 : 1.0; // one pixel more
     return (struct glarepp_rect) {
@@ -592,7 +588,7 @@ static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
 
 int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
 {
-    const struct gp_api_call call = gp_api_begin(f->plan->gp);
+    struct glarepp *const outer = gp_api_begin(f->plan->gp);
     gp_status st = GP_OK;
     if (step >= GLAREPP_STEPS)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "step", "frame: no such step "
@@ -605,7 +601,7 @@ int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
     GP_TRY(borrow_work(f, step));
     GP_TRY(steps[step].run(f));
 out:
-    return gp_api_end(&call, st);
+    return gp_api_end(outer, st);
 }
 
 int glarepp_execute(struct glarepp_plan *plan, const struct glarepp_image *in,
@@ -622,8 +618,8 @@ int glarepp_execute(struct glarepp_plan *plan, const struct glarepp_image *in,
             st = glarepp_frame_run(f, (enum glarepp_step) i);
     }
     if (!st) {
-        const struct gp_api_call call = gp_api_begin(plan->gp);
-        st = gp_api_end(&call, gp_api_export(&f->log, &f->image.lit,
+        struct glarepp *const outer = gp_api_begin(plan->gp);
+        st = gp_api_end(outer, gp_api_export(&f->log, &f->image.lit,
                                              f->image.data, out));
     }
     if (!st && facts) {

@@ -174,8 +174,7 @@ out:
     return st;
 }
 
-/* Whole runs, or thinned ones when those would take too long; *out is the frame of
- * the last whole one, NULL: there was none. */
+/* Whole runs, or thinned ones; *out is the frame of the last whole one. */
 static gp_status time_row(struct trial *t, const char *engine,
                           struct glarepp_frame **out)
 {
@@ -228,8 +227,7 @@ out:
     return st;
 }
 
-/* Compares a picture with the exact one: as display-linear ones by FLIP, or as
- * light without it. */
+/* Compares a picture with the exact one, by FLIP or as light. */
 static gp_status compare_views(const struct bench *b,
     const struct glarepp_image *exact, const struct glarepp_image *picture,
     bool shown, struct glarepp_compare_facts *out)
@@ -378,8 +376,7 @@ out:
     return st;
 }
 
-/* Measures layers against those that count as exact, and composites, where light
- * is added. */
+/* Measures layers against exact ones, and composites, if light is added. */
 static gp_status compare_extra(const struct bench *b,
     struct glarepp_frame *frame[2], struct glarepp_errors *out)
 {
@@ -475,10 +472,7 @@ out:
     return st;
 }
 
-/* Measures all techniques on a frame into *out, in the order of
- * gp_bench_techniques. A run of many sources is made with a part of them (a tenth,
- * or a hundredth) and extrapolated where it takes over 6 s; no row takes much over
- * a quarter of a minute. */
+/* Measures all techniques on a frame into *out, in their order. */
 static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
 {
     const struct glarepp_plan_params *const plan = b->req->plan;

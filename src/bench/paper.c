@@ -38,8 +38,7 @@ static double between(struct dice *d, double low, double high)
     return low + (high - low) * roll(d);
 }
 
-/* Spread over octaves from `low` on, not over `high`: about log-uniform, and
- * no logarithm in it. */
+/* Spread over octaves from `low`: about log-uniform, without a logarithm. */
 static double octaves(struct dice *d, double low, double high)
 {
     double v = low * (1.0 + roll(d));

@@ -14,8 +14,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* The folder of the shared library that has this code, else of the program; ""
- * where /proc is not mounted. */
+/* The folder of the library or program that has this code; "": unknown. */
 static void find_home(char folder[PATH_MAX])
 {
     static const char here;

@@ -125,8 +125,7 @@ out:
 
 // -- projecting --------------------------------------------------------------
 
-/* Returns p for which the gradients of x, y and w give p . column = x, y, w
- * (Cramer's rule). */
+/* Solves p . (gradients of x, y, w) = x, y, w by Cramer's rule. */
 static struct gp_v3 solve(const struct gp_camera *c, double x, double y,
                           double w)
 {

@@ -170,8 +170,7 @@ static void spectrum_xyz(double nm, double xyz[3])
              lobe(nm, 0.681, 459.0, 26.0, 13.8);
 }
 
-/* Folds bands in towards grey of their own luminance until none is negative,
- * and adds them up. */
+/* Folds bands in towards grey until none is negative, and adds them up. */
 static void fold(int n, const double *y, double (*rgb)[3], double sum[3])
 {
     sum[0] = sum[1] = sum[2] = 0.0;

@@ -7,11 +7,6 @@
 
 #include <stdbool.h>
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define HAVE_F16C 1
-#include <immintrin.h>
-#endif
-
 enum {
     FLOAT_INF = 0x7f800000,
     FLOAT_QUIET = 0x00400000,

@@ -115,29 +115,17 @@ static struct words cut_text(const char *text)
 /* Describes a value: "a string", "an array of 2", "0.5". */
 static struct words found_text(const json_t *v)
 {
+    static const char *const names[] = {
+        [JSON_OBJECT] = "an object", [JSON_STRING] = "a string",
+        [JSON_TRUE] = "true", [JSON_FALSE] = "false", [JSON_NULL] = "null",
+    };
     struct words t;
-    switch (json_typeof(v)) {
-    case JSON_OBJECT:
-        snprintf(t.text, sizeof t.text, "an object");
-        break;
-    case JSON_ARRAY:
+    if (json_is_array(v))
         snprintf(t.text, sizeof t.text, "an array of %zu", json_array_size(v));
-        break;
-    case JSON_STRING:
-        snprintf(t.text, sizeof t.text, "a string");
-        break;
-    case JSON_INTEGER:
-    case JSON_REAL:
+    else if (json_is_number(v))
         snprintf(t.text, sizeof t.text, "%.9g", json_number_value(v));
-        break;
-    case JSON_TRUE:
-    case JSON_FALSE:
-        snprintf(t.text, sizeof t.text, "%s",
-                 json_is_true(v) ? "true" : "false");
-        break;
-    default:
-        snprintf(t.text, sizeof t.text, "null");
-    }
+    else
+        snprintf(t.text, sizeof t.text, "%s", names[json_typeof(v)]);
     return t;
 }
 
@@ -209,8 +197,7 @@ gp_status gp_json_parse(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* Reads to the end of a file or pipe, at most `most` >= 1 bytes, into *block,
- * which is the caller's also after a failure. */
+/* Reads a file or pipe, at most `most` bytes, into the caller's *block. */
 static gp_status read_bytes(const struct gp_log *log, const char *path, int fd,
                             size_t most, void **block, size_t *bytes)
 {

@@ -85,12 +85,10 @@ static void sum_rows(void *ctx, int band, int thread)
 
 double gp_mean_luminance(const struct gp_image *f, const struct gp_planes *p)
 {
-    const struct gp_rect *const a = &f->data, *const b = &f->display;
-    struct mean_sums s = {.f = f, .p = p, .seen = {
-        gp_max(a->x0, b->x0), gp_max(a->y0, b->y0),
-        gp_min(a->x1, b->x1), gp_min(a->y1, b->y1)}};
+    const struct gp_rect *const b = &f->display;
+    struct mean_sums s = {.f = f, .p = p, .seen = gp_rect_meet(f->data, *b)};
     double sum = 0.0;
-    if (s.seen.x0 >= s.seen.x1 || s.seen.y0 >= s.seen.y1)
+    if (gp_rect_empty(s.seen))
         return 0.0;
     gp_parallel_do(GP_FRAME_BANDS, sum_rows, &s);
     for (int i = 0; i < GP_FRAME_BANDS; i++)
@@ -203,8 +201,7 @@ static void count_band(void *ctx, int band, int thread)
     }
 }
 
-/* Returns the bin of the value of that rank, from 1; *rank becomes its rank in
- * the bin. */
+/* Returns the bin of that rank, from 1; *rank becomes its rank in it. */
 static uint32_t find_bin(struct ranking *r, uint64_t *rank)
 {
     const int threads = gp_threads();

@@ -79,8 +79,7 @@ static struct block *find_free(size_t bytes)
     return best;
 }
 
-/* Maps a block that begins with a page of its kind; NULL when memory or the list
- * is full. */
+/* Maps a block that begins with a page of its kind, or NULL. */
 static struct block *map_block(size_t bytes)
 {
     const size_t page = page_of(bytes);
@@ -103,8 +102,7 @@ static struct block *map_block(size_t bytes)
     return b;
 }
 
-/* Returns free blocks to the system, the largest first, until the arena holds no
- * more than its limit. */
+/* Returns free blocks to the system, the largest first, down to the limit. */
 static void return_pages(void)
 {
     while (arena.used + arena.waiting > arena.most + arena.most / SLACK) {

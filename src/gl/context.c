@@ -143,8 +143,7 @@ struct egl {
     EGLContext context;
 };
 
-/* Returns true when `name` is a whole word of `list`: names may begin one
- * another. */
+/* Returns true when `name` is a whole word of `list`. */
 static bool has(const char *list, const char *name)
 {
     size_t n = strlen(name);
@@ -297,8 +296,7 @@ enum {
 
 static _Thread_local const struct gp_gl *current;
 
-/* Opens the system's library: the first of its names that opens, or only the
- * file that the environment names. */
+/* Opens the system's library, or the file that the environment names. */
 static gp_status open_library(const struct gp_log *log,
                               const struct gp_gl_system *system, void **out)
 {
@@ -357,8 +355,7 @@ bool gp_gl_reach(const struct gp_gl *gl)
 
 /* -- opening --------------------------------------------------------------- */
 
-/* Refuses a GL under 4.5, and one whose version cannot be read; sets the name
- * in messages. */
+/* Refuses a GL under 4.5 or of no version; sets the name in messages. */
 static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
 {
     PFNGLGETSTRINGPROC get =

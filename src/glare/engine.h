@@ -75,7 +75,6 @@ struct gp_glare_stats {
     size_t cores;           // single sensors that draw the kernel's core
     double polygon_pixels;  // area of all of them on the layer
     const char *form;       // "blended quads", "tiles, groups read back", ...
-    int tail_step;          // of the coarse grid of the kernel's tail; 0: none
     double bound;           // of rel_l2, guaranteed before the run
     double bound_pixel;     // of max_rel, the same; 0: no tolerance_pixel
     const char *gl;         // renderer string of the context

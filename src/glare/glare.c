@@ -258,7 +258,6 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
         GP_TRY(gp_far_find(log, d->kernel->tail, g->tail, req->src,
                             &d->f->layer, &rows));
         parts.tail = rows;
-        req->stats->tail_step = d->kernel->tail->split.step;
     }
     if (d->beyond) {
         GP_TRY(gp_outside_find(log, d->drawn, d->drawn->tail ? g->tail : NULL,

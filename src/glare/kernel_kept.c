@@ -159,7 +159,7 @@ gp_status gp_kernels_take(const struct gp_log *log, struct gp_kernels *k,
 
 // -- labels -------------------------------------------------------------------
 
-void gp_kernel_label_use(const struct gp_kernel_label *l, double scale,
+void gp_kernel_label_use(const struct glarepp_label *l, double scale,
                          const struct gp_kernel *k, int w, int h,
                          struct gp_kernel_use *use)
 {

@@ -6,25 +6,16 @@
 #include "glare/kernel.h"
 #include "glare/kernel_check.h"
 #include "glare/model/model.h"
+#include "glarepp.h"
 
 #include <stdatomic.h>
 #include <stdbool.h>
-
-/* Facts that a kernel's file says of it. */
-struct gp_kernel_label {
-    bool present;        // false: an image of any other origin
-    int w, h;            // pixels of the frame that it was made for
-    double fov;          // degrees, of that frame's height
-    double left_out;     // the model's light outside of the file
-    double beyond;       // of which falls outside of the frame too
-    double share;        // of a pixel's light, that its recipes take
-};
 
 /* Recipes, or one image. */
 struct gp_kernel_request {
     struct gp_recipe recipe[GP_RECIPES];
     struct gp_image image[GP_RECIPES]; // of the recipe's file, or of the kernel
-    struct gp_kernel_label label[GP_RECIPES]; // of image[i] as a kernel
+    struct glarepp_label label[GP_RECIPES]; // of image[i] as a kernel
     int recipes;                       // 0: image[0] is the kernel
     struct gp_kernel_params params;    // of image[0]; its aspect, scale and
                                        // chromaticities are each field's
@@ -75,7 +66,7 @@ GP_MUST_CHECK gp_status gp_kernels_take(const struct gp_log *log,
 /* Finds how a frame of w x h pixels uses a kernel of a label, where a pixel of
  * the file is `scale` of the frame's: its members missed (less what falls outside
  * of the frame that it was made for, if these are no larger), ends, as_it_is. */
-void gp_kernel_label_use(const struct gp_kernel_label *l, double scale,
+void gp_kernel_label_use(const struct glarepp_label *l, double scale,
                          const struct gp_kernel *k, int w, int h,
                          struct gp_kernel_use *use);
 

@@ -166,8 +166,7 @@ bool gp_is_light(const char *layer, size_t len)
            !is_called(layer, len, data, sizeof data / sizeof *data);
 }
 
-/* True for the Z of vectors, whose layer (or whose part, for plain Z) has X and
- * Y too or is named so, and of Blender's mist. */
+/* True for the Z of vectors, by X and Y beside it or its layer, and of mist. */
 static bool is_no_depth(const struct gp_channel *channel, int n,
                         const char *name)
 {
@@ -207,8 +206,7 @@ static int depth_rank(const struct gp_channel *channel, int channels,
                ? RANKS : rank;
 }
 
-/* True for a channel that is no light by its own name or by its layer's:
- * coverage, depth under any name, its back, numbers of objects, vectors. */
+/* True for a channel that is no light by its own name or its layer's. */
 static bool is_data(const char *name)
 {
     const size_t layer = gp_layer_length(name);
@@ -226,8 +224,7 @@ static bool is_data(const char *name)
 static const char letters[3] = {'R', 'G', 'B'};
 static const char *const words[3] = {"red", "green", "blue"};
 
-/* The channel whose name is the first `len` bytes of `layer` and then `last`;
- * -1 when there is none. */
+/* The channel named by `len` bytes of `layer`, then `last`; -1: none. */
 static int find_exact(const char *const *name, int n, const char *layer,
                       size_t len, const char *last)
 {
@@ -239,10 +236,8 @@ static int find_exact(const char *const *name, int n, const char *layer,
     return -1;
 }
 
-/* Finds the members of a set of three in the layer of `len` bytes among name[i]
- * and those after it: letters as they are, else words in any case. Returns how
- * many. With `together` those of a layer follow each other, as in an EXR: a
- * file may have thousands of layers. */
+/* Finds the members of a set of three in a layer; returns how many. With
+ * `together` those of a layer follow each other: a file may have thousands. */
 static int find_three(const char *const *name, int n, int i, const char *layer,
                       size_t len, bool together, int index[3])
 {

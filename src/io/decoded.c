@@ -143,8 +143,7 @@ void gp_decoded_close(struct gp_decoded *image)
 
 /* -- the frame ------------------------------------------------------------ */
 
-/* Chooses the layer's colour; without a layer, by the channels' names; where no
- * name is a colour's, the first three are RGB, or the first one is grey. */
+/* Chooses the layer's colour; without a layer by names, else the first. */
 static gp_status choose_colour(const struct gp_log *log, const char *layer,
     const struct gp_decoded *image, struct gp_colour_choice *out)
 {

@@ -35,8 +35,7 @@ static const char *base_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* The folder of a path, "." for a bare name; from malloc, NULL when memory is
- * full. */
+/* The folder of a path, "." for a bare name; from malloc, or NULL. */
 static char *folder_of(const char *path)
 {
     const size_t n = (size_t) (base_of(path) - path);
@@ -46,8 +45,7 @@ static char *folder_of(const char *path)
     return folder;
 }
 
-/* Copies the folder of a path with all links followed; "" when it does not
- * exist. */
+/* Copies the folder of a path with links followed; "": there is none. */
 static void real_folder(const char *path, char real[PATH_MAX])
 {
     char *const folder = folder_of(path);
@@ -56,8 +54,7 @@ static void real_folder(const char *path, char real[PATH_MAX])
     gp_free(folder);
 }
 
-/* Returns the descriptor that `path` names by itself, its last component being
- * in the folder `real`; -1 for other names. */
+/* The descriptor that `path`, in the folder `real`, names; -1: none. */
 static int named_descriptor(const char *path, const char *real)
 {
     static const char digits[] = "0123456789", task[] = "/task/";
@@ -74,8 +71,7 @@ static int named_descriptor(const char *path, const char *real)
     return strcmp(real, "/fd") == 0 ? (int) fd : -1;
 }
 
-/* Replaces a link by its target, seen from where the link is seen from; false
- * with errno for other names. */
+/* Replaces a link by its target; false with errno for other names. */
 static bool follow(char at[PATH_MAX])
 {
     char to[PATH_MAX];
@@ -92,8 +88,7 @@ static bool follow(char at[PATH_MAX])
     return true;
 }
 
-/* Follows the links of a name. Returns its descriptor, or -1; sets *system for
- * one that is, or leads to, a name in /proc, as those in /dev/fd do. */
+/* Follows a name's links to a descriptor, or -1; *system: through /proc. */
 static int follow_names(const char *path, bool *system)
 {
     char at[PATH_MAX], real[PATH_MAX];
@@ -235,9 +230,8 @@ void gp_temp_cleanup_on_signal(void)
     }
 }
 
-/* FOLDER/.NAME.PID.tmp, or FOLDER/.NAME.PID-N.tmp for a nth choice N > 0, NAME
- * cut where the whole would be longer than a file name may be. From malloc,
- * NULL when memory is full. */
+/* FOLDER/.NAME.PID.tmp, or .NAME.PID-N.tmp for a choice N > 0, NAME cut to
+ * what a file name may have. From malloc, or NULL. */
 static char *temp_name(const char *path, int nth)
 {
     const char *const base = base_of(path);
@@ -253,8 +247,7 @@ static char *temp_name(const char *path, int nth)
     return name;
 }
 
-/* Makes the temporary file of `target`, with `mode` less umask, open for
- * writing; its descriptor, or -1 with errno set and nothing made. */
+/* Makes the temporary file of `target`; its descriptor, or -1 with errno. */
 static int make_temp(struct temp *temp, const char *target, mode_t mode)
 {
     const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
@@ -277,8 +270,7 @@ static int make_temp(struct temp *temp, const char *target, mode_t mode)
     return fd;
 }
 
-/* Renames it to `target`, or removes it when that is NULL; 0, or -1 with errno
- * set: then it stays to be removed. Does nothing where there is none. */
+/* Renames it to `target`, or removes it (NULL); 0, or -1 with errno set. */
 static int end_temp(struct temp *temp, const char *target)
 {
     if (!temp->name)
@@ -351,8 +343,7 @@ bool gp_file_exists(const char *path)
     return stat(path, &s) == 0 && S_ISREG(s.st_mode);
 }
 
-/* Refuses a regular file in /proc that is no descriptor of this process: it
- * may be another's log. */
+/* Refuses a file in /proc that is not this process's: another's log. */
 static gp_status check_system(const struct gp_log *log, const char *path,
                               bool *straight)
 {

@@ -67,30 +67,20 @@ static gp_status alloc_list(const struct gp_log *log, int parts, int channels,
                                    sizeof *list->channel, &list->channel);
 }
 
-/* The channels of a part; none where the library has no list. */
-static const exr_attr_chlist_t *channels_of(const struct gp_input *o, int part)
-{
-    static const exr_attr_chlist_t none;
-    const exr_attr_chlist_t *list;
-    return exr_get_channels(o->exr, part, &list) ? &none : list;
-}
-
 static bool other_view(const char *a, const char *b)
 {
     return a && b && strcmp(a, b) != 0;
 }
 
-/* Lists the parts of an EXR: that of the colour, those of its view or of none;
- * within these, when `depth`, those called depth, as a part of a layer-per-part
- * file has plain Z whatever its layer; then those in the layer around the
- * colour's (B.Depth for B.Combined); deep ones last. */
+/* Lists the parts of an EXR as plane.h orders them; after those called depth
+ * those in the layer around the colour's (B.Depth for B.Combined); deep last */
 static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
                           bool colour, bool depth, struct list *list)
 {
     int channels = 0;
     list->in = o;
     for (int part = 0; part < o->parts; part++)
-        channels += channels_of(o, part)->num_channels;
+        channels += gp_exr_channels(o, part)->num_channels;
     gp_status st = alloc_list(log, o->parts, channels, list);
     if (st)
         return st;
@@ -99,7 +89,7 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
     const size_t n = gp_last_part(own, bytes);
     for (int order = -1; order < 16; order++) { // the colour's part first
         for (int part = 0; part < o->parts; part++) {
-            const exr_attr_chlist_t *const from = channels_of(o, part);
+            const exr_attr_chlist_t *const from = gp_exr_channels(o, part);
             const size_t length = gp_exr_part_layer(o, part, &layer);
             struct gp_channel *const channel = list->channel + list->channels;
             const struct part to = {
@@ -151,8 +141,7 @@ out:
     return st;
 }
 
-/* Lists the parts of a frame's file, with its colour and view. `list` is
- * written always; free with free_list(). */
+/* Lists the parts of a frame's file; free with free_list() in any case. */
 static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
                             bool depth, struct list *list)
 {
@@ -175,8 +164,7 @@ out:
 
 /* -- by name -------------------------------------------------------------- */
 
-/* The first channel of that name in any part; with `in_part` the name is
- * PART.CHANNEL, of which both may hold dots. */
+/* The first channel of that name, or of PART.CHANNEL with `in_part`. */
 static bool find_exact(const struct list *list, const char *name,
                        bool in_part, struct place *out)
 {
@@ -256,9 +244,8 @@ static void full_name(const struct list *list,
              named ? "." : "", channel);
 }
 
-/* True when the depth is of another view in the colour's part, or in another
- * layer around it than the colour, where that is in one: A.Depth.Z for
- * B.Combined.R. */
+/* True for depth of another view of the part, or of another layer around it
+ * than the colour's: A.Depth.Z for B.Combined.R. */
 static bool of_other_layer(const struct list *list,
                            const struct place *at)
 {
@@ -295,9 +282,8 @@ static void search_lone(const struct list *list, bool depth,
     *out = lone;
 }
 
-/* Finds a channel by its name, or PART.CHANNEL; by NULL the depth or A. Of a
- * file that is given only for this plane (`own_file`) the only channel is taken
- * too, for depth beside A, and finding none is an error. */
+/* Finds a channel by its name; by NULL depth or A. In a file of its own
+ * (`own_file`) the only channel is taken too, and none is an error. */
 static gp_status pick(const struct gp_log *log,
                       const struct list *list, const char *name, bool depth,
                       bool own_file, struct place *out)
@@ -427,8 +413,7 @@ static gp_status read_samples(const struct gp_log *log,
     return st;
 }
 
-/* Finds a channel among all parts of the frame's file; its name goes to `out`
- * and, unless `type` wants only that of its samples, they do too. */
+/* Finds a channel beside a frame: its name, and its `type` or its samples. */
 static gp_status find_beside(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, enum gp_pixel_type *type, struct gp_plane *out)
@@ -444,7 +429,7 @@ static gp_status find_beside(const struct gp_log *log,
     if (at.part && type)
         *type = at.part->colour
                     ? f->channel[at.channel].type
-                    : (enum gp_pixel_type) channels_of(list.in, at.part->number)
+                    : (enum gp_pixel_type) gp_exr_channels(list.in, at.part->number)
                           ->entries[at.channel].pixel_type;
     else if (at.part)
         GP_TRY(read_samples(log, p, f, &at, out));
@@ -478,43 +463,37 @@ gp_status gp_read_plane_file(const struct gp_log *log,
                              const char *name, bool depth, struct gp_plane *out)
 {
     gp_status st;
-    struct gp_stream stream;
-    struct gp_input *in = NULL;
-    struct gp_decoded image = {0};
+    struct gp_stored_file file;
+    const struct gp_decoded *const image = &file.first;
     struct list list = {.path = path};
     struct place at;
     struct gp_plane plane = {0};
-    bool exr;
-    GP_TRY(gp_read_open(log, p, path, &stream, &exr));
-    if (exr) {
-        GP_TRY(gp_exr_open(log, path, &stream, &in));
-        GP_TRY(list_exr(log, in, false, depth, &list));
+    GP_TRY(gp_stored_open(log, p, path, &file));
+    if (file.input) {
+        GP_TRY(list_exr(log, file.input, false, depth, &list));
     } else {
-        GP_TRY(gp_read_image(log, p, path, &stream, 0, &image));
-        GP_TRY(alloc_list(log, 1, image.channels, &list));
-        for (; list.channels < image.channels; list.channels++)
+        GP_TRY(alloc_list(log, 1, image->channels, &list));
+        for (; list.channels < image->channels; list.channels++)
             list.channel[list.channels].name =
-                (char *) (uintptr_t) image.channel_name[list.channels];
+                (char *) (uintptr_t) image->channel_name[list.channels];
         list.part[list.parts++] = (struct part) {
             .channel = list.channel, .channels = list.channels,
         };
     }
     GP_TRY(pick(log, &list, name, depth, true, &at));
     GP_TRY(make_name(log, &list, &at, &plane));
-    if (exr) {
-        GP_TRY(from_part(log, p, path, in, &at, &plane));
+    if (file.input) {
+        GP_TRY(from_part(log, p, path, file.input, &at, &plane));
     } else {
-        GP_TRY(make_samples(log, image.data, &plane));
-        gp_decoded_channel(&image, at.channel, plane.v);
+        GP_TRY(make_samples(log, image->data, &plane));
+        gp_decoded_channel(image, at.channel, plane.v);
     }
     *out = plane;
     plane = (struct gp_plane) {0};
 out:
     gp_plane_free(&plane);
     free_list(&list);
-    gp_decoded_close(&image);
-    gp_input_free(in);
-    gp_stream_close(&stream);
+    gp_stored_close(&file);
     return st;
 }
 
@@ -558,9 +537,8 @@ static bool find_siblings(const struct names *in, int of,
     return index[0] >= 0 && index[1] >= 0 && index[2] >= 0;
 }
 
-/* Finds the layer that is nearest to the colour's: in it, in the layer around
- * it, and so on; then the one whose names are best; then the first that is
- * directly in there. */
+/* Finds the layer nearest to the colour's, then the best names, then the first
+ * that is directly in there. */
 static bool find_three(const struct names *in,
                        const struct gp_layer_names *wanted, struct three *out)
 {

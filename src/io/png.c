@@ -321,8 +321,7 @@ static void on_write_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-/* Sets the texts glarepp:version and glarepp:command: tEXt, or iTXt where they
- * are not ASCII. */
+/* Sets glarepp:version and glarepp:command, as iTXt where not ASCII. */
 static void set_texts(png_structp png, png_infop info, const char *command)
 {
     static char version[] = GP_VERSION;

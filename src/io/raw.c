@@ -150,8 +150,7 @@ static void gather_row(void *ctx, int y, struct gp_picture_row *row)
                        g->to + (size_t) line * stride);
 }
 
-/* Writes samples of p->raw over black: a raw frame, whose size `frames` checks,
- * or with NULL a PFM. */
+/* Writes samples over black: a raw frame of `frames`' size; NULL: a PFM. */
 static gp_status write_samples(const struct gp_log *log,
     struct gp_write_params p, const char *path, const struct gp_frame *f,
     const struct gp_planes *planes, enum gp_picture_kind kind,

@@ -112,8 +112,7 @@ gp_status gp_pattern_of_input(const struct gp_log *log, const char *path,
 
 enum { NO_FRAME = INT_MIN };
 
-/* gp_pattern_name(), for NO_FRAME with the signs of the number; *at is where it
- * starts. */
+/* gp_pattern_name(), or (NO_FRAME) with the number's signs; it is at *at. */
 static char *fill(const struct gp_pattern *p, int frame, const char *view,
                   size_t *at)
 {

@@ -96,8 +96,7 @@ static const char *tiff_compression(enum gp_compression c)
     return i <= GP_COMPRESSION_ZIP - GP_COMPRESSION_AUTO ? names[i] : NULL;
 }
 
-/* Checks that the format takes these params. The line for no format lists the
- * endings that are written. */
+/* Checks that the format takes these params. */
 static gp_status check_format(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct target *to)
 {

@@ -13,6 +13,7 @@
 #include "core/image.h"
 #include "core/status.h"
 #include "glare/sources.h"
+#include "glarepp.h"
 #include "sun/lights.h"
 
 #include <stdbool.h>
@@ -180,19 +181,6 @@ struct gp_lens_view {
     enum gp_lens_detail detail;
 };
 
-struct gp_lens_stats {
-    int lights, ghosts;        // with light; pairs of surfaces
-    int drawn, left_out;       // pairs
-    double light[3];           // of the ghosts, inside and outside the frame
-    double lost;               // share of the ghosts' light whose rays miss a
-                               // surface or are reflected wholly
-    double dark;               // luminance at a pixel of all ghosts left out,
-                               // by first order, over `mean`
-    double missing;            // bound of the norm, over pixels and channels,
-                               // of all ghosts left out, by first order
-    double steps[5];           // ghosts drawn at 1, 2, 4, 8, 16 pixels a step
-};
-
 /* Lists the visible lights that have flux; of a frame without lights the 100
  * brightest blocks of 16 x 16 pixels with sources.
  *   out   owned by the caller, gp_free(); *n of them
@@ -205,10 +193,11 @@ GP_MUST_CHECK gp_status gp_lens_lights(const struct gp_log *log,
 /* Adds the ghosts of `n` lights to `layer`, of the frame's size. Same bytes
  * for any threads.
  *   lens  focused
+ *   out   those facts that it finds; 0 else
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_lens_draw(const struct gp_log *log,
     const struct gp_lens *lens, const struct gp_lens_view *view,
     const struct gp_lens_light *light, int n, struct gp_planes *layer,
-    struct gp_lens_stats *out);
+    struct glarepp_lens_facts *out);
 
 #endif

@@ -187,7 +187,7 @@ static double norm_of(const struct rank *r, const double light[3])
 }
 
 /* Keeps the ghosts that can be seen, in their order, and counts the others. */
-static void choose(struct drawing *d, int lights, struct gp_lens_stats *stats)
+static void choose(struct drawing *d, int lights, struct glarepp_lens_facts *stats)
 {
     const struct gp_lens_view *const v = d->view;
     double sum = 0.0, light[3] = {0};
@@ -319,7 +319,7 @@ static gp_status make_accumulators(struct drawing *d)
 }
 
 /* Traces and draws the items of a chunk, and adds up their figures. */
-static gp_status run_chunk(struct drawing *d, struct gp_lens_stats *stats)
+static gp_status run_chunk(struct drawing *d, struct glarepp_lens_facts *stats)
 {
     const int strips =
         (gp_rect_h(d->view->frame) + STRIP_ROWS - 1) / STRIP_ROWS;
@@ -375,9 +375,9 @@ static gp_status measure_image(const struct gp_log *log, struct drawing *d)
 
 gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     const struct gp_lens_view *view, const struct gp_lens_light *light, int n,
-    struct gp_planes *layer, struct gp_lens_stats *out)
+    struct gp_planes *layer, struct glarepp_lens_facts *out)
 {
-    struct gp_lens_stats stats = {.lights = n};
+    struct glarepp_lens_facts stats = {.lights = n};
     struct drawing *d;
     gp_status st = gp_alloc_zero(log, "ghosts", 1, sizeof *d, &d);
     if (st)

@@ -78,8 +78,7 @@ static bool name_primaries(const struct gp_ocio_light *light, float out[8])
     return true;
 }
 
-/* Finds the matrix from the frame's RGB to the input space's. False where they
- * are the same or either is unknown. */
+/* The matrix from the frame's RGB to the input's; false: none is needed. */
 static bool frame_matrix(const struct gp_ocio *ocio, const struct gp_image *f,
                          float out[9])
 {

@@ -71,7 +71,7 @@ static void use_lens(const char *path)
     };
     struct gp_lens lens;
     struct gp_planes layer;
-    struct gp_lens_stats stats;
+    struct glarepp_lens_facts stats;
     if (fuzz_line(gp_lens_read(&fuzz_log, path, &lens)) ||
         fuzz_line(gp_lens_focus(&fuzz_log, &lens, INFINITY, 0.0)) ||
         lens.n > MOST ||

@@ -40,6 +40,7 @@ LIBRARIES = [
 # Files of an unusual size, and why.
 SHORT, LONG = 80, 700
 SIZES = {  # path below src: reason
+    "core/half.c": "halfs to floats and back",
     "core/image.c": "planes; what a picture is stands in its header",
     "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",
     "io/frame.c": "what a frame owns",

@@ -19,6 +19,13 @@ bool gp_exr_is_deep(const struct gp_input *in, int part)
            storage == EXR_STORAGE_DEEP_TILED;
 }
 
+const exr_attr_chlist_t *gp_exr_channels(const struct gp_input *in, int part)
+{
+    static const exr_attr_chlist_t none;
+    const exr_attr_chlist_t *list;
+    return exr_get_channels(in->exr, part, &list) ? &none : list;
+}
+
 const char *gp_exr_part_name(const struct gp_input *in, int part)
 {
     const char *name = NULL;
@@ -147,10 +154,7 @@ void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
 gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
                           int part, const char *view, const char ***out)
 {
-    static const exr_attr_chlist_t none;
-    const exr_attr_chlist_t *list;
-    if (exr_get_channels(in->exr, part, &list))
-        list = &none;
+    const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
     size_t bytes = (size_t) list->num_channels * sizeof **out;
     for (int i = 0; view && i < list->num_channels; i++)
         bytes += strlen(list->entries[i].name.str) + 1;
@@ -219,10 +223,8 @@ struct search {
     int only;  // this part and no other, or -1
 };
 
-/* Searches all parts in their order for colour, then for a lone channel, which
- * is less likely the picture. Without a layer's name it takes a deep part
- * before a lone channel, so that its reader reports it. Without success
- * out->part is -1. */
+/* Searches all parts for colour, then for a lone channel; a deep part comes
+ * before that, so that its reader reports it. out->part is -1: none. */
 static gp_status search_parts(const struct search *s, const char *layer,
     const char *view, struct gp_exr_choice *out)
 {
@@ -240,13 +242,12 @@ static gp_status search_parts(const struct search *s, const char *layer,
                 continue;
             }
             // the part's channels of the view; those of ids are no colour
-            const exr_attr_chlist_t *list;
+            const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
+            const int channels = list->num_channels;
             const char **name;
             gp_status st = gp_exr_names_in(s->log, in, part, view, &name);
             if (st)
                 return st;
-            const int channels = exr_get_channels(in->exr, part, &list)
-                                     ? 0 : list->num_channels;
             for (int k = 0; k < channels; k++) {
                 const exr_attr_chlist_entry_t *const c = &list->entries[k];
                 if (gp_exr_crypto_channel(&s->crypto, in, part, c->name.str) ||
@@ -328,15 +329,13 @@ static gp_status not_there(const struct search *s,
     bool known = !p->view;
     for (int part = 0; part < in->parts; part++) {
         const char *const name = gp_exr_part_name(in, part), *view[VIEWS];
-        const exr_attr_chlist_t *list;
+        const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
         snprintf(what, sizeof what, "%d %s", part, name ? name : "-");
         add_name(parts, what, strlen(what));
         known = known || has_view(in, part, p->view);
         for (int i = 0, n = views_of(in, part, view); i < n; i++)
             add_name(views, view[i], strlen(view[i]));
         // the layers that hold light
-        if (exr_get_channels(in->exr, part, &list))
-            continue;
         for (int i = 0; i < list->num_channels; i++) {
             const char *layer = list->entries[i].name.str;
             size_t len = gp_layer_length(layer);
@@ -427,14 +426,13 @@ int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
 {
     struct gp_read_params q = *p;
     struct gp_exr_choice choice;
-    const exr_attr_chlist_t *list;
     const char *inner[VIEWS], *first, *own;
     int named = 0, n = 0;
     // the view that is taken by itself
     q.view = NULL;
     gp_status st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
-    if (!st && !exr_get_channels(in->exr, choice.part, &list) &&
-        views_of(in, choice.part, inner) > 0) {
+    if (!st && views_of(in, choice.part, inner) > 0) {
+        const exr_attr_chlist_t *const list = gp_exr_channels(in, choice.part);
         first = inner[0];
         for (int c = 0; c < 3; c++) {
             const int i = choice.colour.index[c];

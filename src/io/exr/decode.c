@@ -23,8 +23,7 @@
 
 /* -- the list of chunks --------------------------------------------------- */
 
-/* Prints the line for a chunk that cannot be read: a fault of memory or of the
- * disk, or else `why`. */
+/* Prints the line for a chunk: a fault of memory or disk, else `why`. */
 static gp_status damaged(const struct gp_log *log,
                          const struct gp_exr_chunks *cs, int chunk,
                          const char *why)

@@ -46,8 +46,7 @@ out:
     return st;
 }
 
-/* A chunk of the part begins here, and has the part's number first in files of
- * several. */
+/* Begins a chunk, with the part's number in files of several. */
 static gp_status begin_chunk(struct gp_exr_out *out, int part, int index)
 {
     const int32_t number = part;
@@ -176,13 +175,8 @@ int gp_exr_chunk_count(const struct gp_exr_image *img)
  * on that is still a number; -65504 came back as -Inf, or NaN. */
 enum { B44_LEAST = 0xf7ff, MINUS_INF = 0xfc00 };
 
-/* Packs the rows [y0, y1) as EXR stores them before compression: row by row,
- * channel by channel, into `to`, or only counts when `to` is NULL.
- *
- *   clamped  grows by the finite values that half cannot hold; B44 can hold
- *            none below -32752
- *
- * Returns the number of bytes, always even. */
+/* Packs rows as EXR has them before compression, or only counts (`to` NULL).
+ * Adds values that half or B44 cannot hold to *clamped. Returns bytes, even. */
 static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
                         uint8_t *to, long long *clamped)
 {

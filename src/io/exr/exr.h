@@ -76,6 +76,9 @@ void gp_input_free(void *input);
 
 bool gp_exr_is_deep(const struct gp_input *in, int part);
 
+/* The channels of a part; none where the library has no list. */
+const exr_attr_chlist_t *gp_exr_channels(const struct gp_input *in, int part);
+
 /* The part's name or view; NULL when it has none. */
 const char *gp_exr_part_name(const struct gp_input *in, int part);
 const char *gp_exr_part_view(const struct gp_input *in, int part);

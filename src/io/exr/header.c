@@ -110,8 +110,7 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
     return in_own_light(kept) || !is_listed(name, shown);
 }
 
-/* The attributes of the input that are kept: manifests of ids, or all but
- * those. */
+/* The attributes of the input that are kept: manifests, or all others. */
 static void put_carried(struct gp_exr_out *h,
                         const struct gp_exr_index_part *own,
                         enum gp_exr_kept kept, bool manifests)
@@ -125,8 +124,7 @@ static void put_carried(struct gp_exr_out *h,
     }
 }
 
-/* The attributes that OpenImageIO makes of another format's header. Some say
- * how that file was stored; only those about the picture are carried. */
+/* OpenImageIO's attributes about the picture, not how its file was stored. */
 static void put_foreign(struct gp_exr_out *h, const struct gp_frame *f,
                         enum gp_exr_kept kept)
 {

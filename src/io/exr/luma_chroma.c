@@ -40,8 +40,7 @@ static void keep_half(const struct gp_yc *in, float *row)
 
 /* -- chroma --------------------------------------------------------------- */
 
-/* Odd columns from the even ones: n samples in `some`, which has TAPS / 2
- * more at both ends. */
+/* Odd columns from the even ones: n, with TAPS / 2 more at both ends. */
 GP_CLONES static void fill_columns(const float *some, int n, float *row)
 {
     for (int i = 0; i < n; i++) {
@@ -82,9 +81,7 @@ GP_CLONES static void add_rows(const float *const row[TAPS], int w, float *out)
     }
 }
 
-/* RY or BY of image row y, which may be one outside: even rows have theirs,
- * odd rows are filtered from the even rows above and below. Rows above the
- * first are the first; rows below the last are the last even one. */
+/* RY or BY of row y: odd rows are filtered, rows outside repeat the ends. */
 static void chroma_of_row(const struct rows *r, int c, int y, float *out)
 {
     const size_t w = (size_t) r->in->w;

@@ -130,10 +130,8 @@ static bool read_attribute(struct walk *w, size_t *at, struct gp_exr_attr *out)
     return !w->more;
 }
 
-/* Returns how many channels a list begins with, as far as LIST_MOST + 1.
- *
- *   whole  written: the list ends where its bytes do. The library stops at its
- *          null, and would take what follows for another attribute */
+/* Counts a list's channels, up to LIST_MOST + 1. The library stops at its null:
+ * *whole is false where bytes follow, which it would take for an attribute. */
 static uint64_t count_channels(const struct gp_exr_attr *list, bool *whole)
 {
     uint64_t n = 0;
@@ -171,8 +169,7 @@ static bool is_value(const struct gp_exr_attr *a)
     return fits;
 }
 
-/* Fails when a list of n is too long after lists of one kind whose squares
- * were `before`. */
+/* Fails when a list of n is too long after squares that were `before`. */
 static gp_status check_length(const struct walk *walk, uint64_t before,
                               const char *what, uint64_t n)
 {

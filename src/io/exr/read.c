@@ -108,8 +108,7 @@ static gp_status check_sampling(const struct reading *r)
     return GP_OK;
 }
 
-/* The list of channels, and where their samples go: of colour to the planes,
- * of luminance and chroma to planes of their own. */
+/* Lists the channels, and where their samples go. */
 static gp_status make_channels(struct reading *r)
 {
     const struct gp_exr_chunks *cs = &r->chunks;
@@ -248,11 +247,10 @@ out:
 static bool holds_choice(const struct gp_frame *f,
                          const struct gp_exr_choice *choice)
 {
-    const exr_attr_chlist_t *list;
     bool all = choice->part == f->part &&
                choice->colour.model != GP_COLOUR_YC &&
-               !exr_get_channels(gp_input_of(f)->exr, f->part, &list) &&
-               list->num_channels == f->channels;
+               gp_exr_channels(gp_input_of(f), f->part)->num_channels ==
+                   f->channels;
     for (int k = 0; all && k < 3; k++) {
         const int i = choice->colour.index[k];
         all = i < 0 || (f->channel[i].data && f->channel[i].xs == 1 &&

@@ -108,8 +108,7 @@ static void fit_pixels(const struct gp_planes *from, size_t n, bool dwa,
     }
 }
 
-/* Finds the type of a frame's colours, and replaces *planes by a copy whose
- * pixels fit into it. Errors: GP_ERR_BUG out of memory. */
+/* Finds the colours' type, and copies *planes where they do not fit it. */
 static gp_status fit_colour(const struct gp_log *log,
     const struct gp_write_params *p, const struct gp_frame *f,
     struct gp_planes *planes, enum gp_pixel_type *type, struct part *out)
@@ -149,8 +148,7 @@ static void add_plane(struct part *s, enum gp_pixel_type type,
     };
 }
 
-/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where
- * it has one. */
+/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour. */
 static gp_status picture_sources(const struct gp_log *log,
     const struct gp_write_params *p, struct gp_planes planes, struct part *out)
 {
@@ -294,20 +292,9 @@ static gp_status add_frame(const struct group *g,
     return GP_OK;
 }
 
-/* The channels of one part, with the colours of several frames of it:
- *   - what is the colour of none of them as it is;
- *   - R, G, B under their names; one that the file did not have is added when
- *     its plane is not all 0;
- *   - grey stays one channel when the planes are the same, bit by bit, and is
- *     R, G, B in its layer otherwise (of a channel without a layer, where R, G
- *     or B are taken, in a layer of its name); luminance-chroma is always
- *     R, G, B.
- *
- *   set  n >= 1 frames of one part; one of them at least was read whole
- *   p    --type is that of the colours
- *
- * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
- * colour of two frames. */
+/* The channels of one part, with the colours of n >= 1 frames of it, of which
+ * one was read whole: what is the colour of none as it is, colours as
+ * gp_write_hdr() says. */
 static gp_status hdr_sources(const struct gp_log *log,
     const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
     struct part *out)
@@ -471,8 +458,7 @@ static void count_fits(const struct writing *w, struct gp_write_stats *stats)
            dwa ? "--compression zip" : "--type float or auto");
 }
 
-/* Writes the file under its final name or not at all, and frees what `w` has
- * but its parts. */
+/* Writes the file, and frees what `w` has but its parts. */
 static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
 {
     gp_status st;

@@ -9,8 +9,7 @@
 
 /* -- out ------------------------------------------------------------------ */
 
-/* Splits `n` bytes (even) into those at even and at odd places, and turns
- * each into its difference to the one before, plus 128. */
+/* Splits `n` bytes and makes them differences, as exr_priv.h says. */
 GP_CLONES static void filter_bytes(const uint8_t *restrict in,
                                    uint8_t *restrict out, size_t n)
 {
@@ -39,8 +38,7 @@ size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
 
 /* -- in ------------------------------------------------------------------- */
 
-/* Expands EXR's run lengths to exactly `out_size` bytes; false when the runs
- * give more or less. */
+/* Expands EXR's run lengths to exactly `out_size` bytes, or returns false. */
 static bool expand_runs(const uint8_t *in, size_t in_size, uint8_t *out,
                         size_t out_size)
 {
@@ -63,8 +61,7 @@ static bool expand_runs(const uint8_t *in, size_t in_size, uint8_t *out,
     return out == out_end;
 }
 
-/* Sums the differences of both halves, which go on from the first to the
- * second, and puts their bytes in turns to `out`. */
+/* Undoes filter_bytes(): the second half goes on from the first. */
 static void undo_filter(const uint8_t *restrict in, uint8_t *restrict out,
                         size_t n)
 {

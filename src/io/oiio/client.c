@@ -238,8 +238,7 @@ gp_status gp_oiio_check(const struct gp_log *log, const char *path)
 
 // -- calls --------------------------------------------------------------------
 
-/* Sends a call, its text, and with its first bytes up to two descriptors; -1
- * for none. */
+/* Sends a call, its text, and up to two descriptors; -1 for none. */
 static bool send_ask(struct gp_oiio_ask *ask, const char *text,
                      const int fd[2])
 {
@@ -266,8 +265,7 @@ static bool send_ask(struct gp_oiio_ask *ask, const char *text,
     return false;
 }
 
-/* Makes a call and waits for its reply; gp_free() its text, also on failure. A
- * call that fails has its line. */
+/* Makes a call and waits for its reply; gp_free() its text in any case. */
 static gp_status call(const struct gp_log *log, const char *path,
     struct gp_oiio_ask *ask, const char *text, const int fd[2],
     struct gp_oiio_reply *reply, char **answer)
@@ -317,9 +315,8 @@ static bool next_attribute(const char **at, const char *end,
     return kind == 'i' || kind == 'f';
 }
 
-/* Makes the image that a reply describes; its names point into in->text.
- * GP_ERR_DATA without a line: the reply is invalid, which is not the file's
- * fault. */
+/* Makes the image that a reply describes, which points into in->text.
+ * GP_ERR_DATA without a line: the reply is invalid. */
 static gp_status make_image(const struct gp_log *log,
     const struct gp_oiio_reply *reply, long long max_pixels, struct input *in,
     struct gp_decoded *image)

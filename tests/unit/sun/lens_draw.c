@@ -25,7 +25,7 @@ static struct gp_lens thin_lens(const char *more)
 /* A layer of w x h pixels, `mm` wide, drawn for lights. */
 static struct gp_planes layer_of(const struct gp_lens *lens, int w, int h,
     double mm, double mean, const struct gp_lens_light *light, int n,
-    struct gp_lens_stats *stats)
+    struct glarepp_lens_facts *stats)
 {
     struct gp_planes p;
     const struct gp_rect frame = {-3, 5, w - 3, h + 5};
@@ -71,7 +71,7 @@ static void light_in_closed_form(void **state)
             const double at = 0.04 * w; // from the middle
             const struct gp_lens_light light = {
                 0.5 * w - 3 + at, 0.5 * h + 5 - 0.5 * at, {100, 200, 300}};
-            struct gp_lens_stats stats;
+            struct glarepp_lens_facts stats;
             struct gp_planes p = layer_of(&lens, w, h, 40.0, 0.0, &light, 1,
                                           &stats);
             for (int c = 0; c < 3; c++) {
@@ -100,7 +100,7 @@ static void disc_is_even(void **state)
     enum { W = 200 };
     const struct gp_lens lens = thin_lens("");
     struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
-    struct gp_lens_stats stats;
+    struct glarepp_lens_facts stats;
     const struct gp_lens_light light = {0.5 * W - 3, 0.5 * W + 5, {1, 1, 1}};
     struct gp_planes p = layer_of(&lens, W, W, 40.0, 0.0, &light, 1, &stats);
     gp_lens_ghosts(&lens, 550.0, ghost);
@@ -124,7 +124,7 @@ static void faint_ghosts_are_counted(void **state)
     struct gp_lens lens = {0};
     enum { W = 96, H = 64 };
     const struct gp_lens_light light = {20.0, 30.0, {1e3, 1e3, 1e3}};
-    struct gp_lens_stats stats[4];
+    struct glarepp_lens_facts stats[4];
     static const double mean[4] = {0.0, 0.01, 1.0, 1e9};
     assert_ok(gp_lens_read(&kept_log, "heliar", &lens));
     assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
@@ -157,7 +157,7 @@ static void left_out_is_bounded(void **state)
                                            {90.0, 45.0, {5e2, 1e3, 2e3}}};
     for (size_t l = 0; l < COUNT(names); l++) {
         struct gp_planes p[2] = {0}; // of all ghosts, and of those that count
-        struct gp_lens_stats stats[3];
+        struct glarepp_lens_facts stats[3];
         for (int t = 0; t < 3; t++) {
             static const double mean[] = {0.003, 0.03, 1e9};
             struct gp_lens lens = {0};
@@ -230,7 +230,7 @@ static void colours_follow_the_spectrum(void **state)
         struct gp_lens lens = {0};
         struct gp_lens_figures f;
         struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
-        struct gp_lens_stats stats;
+        struct glarepp_lens_facts stats;
         double nm[PARTS], rgb[PARTS][3], want[3] = {0};
         assert_ok(gp_lens_read(&kept_log, names[l], &lens));
         assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
@@ -271,7 +271,7 @@ static void coarse_is_near_fine(void **state)
     assert_ok(gp_lens_read(&kept_log, "heliar", &lens));
     assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
     for (int k = 0; k < 2; k++) {
-        struct gp_lens_stats stats;
+        struct glarepp_lens_facts stats;
         const struct gp_lens_view view = {
             .frame = frame, .display = frame, .mm = {84.0 / W, 84.0 / W},
             .chromaticities = gp_rec709_chromaticities,
@@ -306,7 +306,7 @@ static void bands_leave_no_rings(void **state)
     enum { W = 1920, H = 1080, X = 1000, CROP = 480 };
     struct gp_lens lens = {0};
     const struct gp_lens_light light = {1280.0, 180.0, {1e7, 1e7, 1e7}};
-    struct gp_lens_stats stats;
+    struct glarepp_lens_facts stats;
     struct gp_planes p;
     assert_ok(gp_lens_read(&kept_log, "telephoto", &lens));
     assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
