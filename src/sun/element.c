@@ -18,7 +18,6 @@
  * wavelengths where it is dispersed: light of size s is f(t / s) / s^2, or / s
  * along rays. */
 #include "core/colour.h"
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "sun/flare_priv.h"
@@ -383,39 +382,21 @@ static float sample(const struct gp_flare_image *m, int c, float x, float y)
     return blend(upper, lower, v - top);
 }
 
-GP_CLONES static void add_taps(const float *upper, const float *lower, int n,
-                               const float fraction[2], float amount,
-                               float *out)
-{
-    for (int i = 0; i < n; i++)
-        out[i] += amount * blend(blend(upper[i], upper[i + 1], fraction[0]),
-                                 blend(lower[i], lower[i + 1], fraction[0]),
-                                 fraction[1]);
-}
-
 /* At its own pixels, n of texel row ty: all have the same weights. */
 static void add_plain(const struct gp_flare_quad *q, int c, int ty, int n,
                       float amount, float *out)
 {
     const struct gp_flare_image *const m = q->image;
-    const int tx = q->corner[0];
-    const bool inside = ty >= 0 && ty + 1 < m->h;
-    // columns whose four texels are there
-    const int first = inside ? gp_clamp(-tx, 0, n) : n;
-    const int end = inside ? gp_clamp(m->w - 1 - tx, first, n) : n;
-    if (first < end) {
-        const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
-                                (size_t) (tx + first);
-        add_taps(at, at + m->w, end - first, q->fraction, amount, out + first);
-    }
+    float left[2] = {texel(m, c, q->corner[0], ty),
+                     texel(m, c, q->corner[0], ty + 1)};
     for (int i = 0; i < n; i++) {
-        if (i >= first && i < end)
-            continue;
-        const float a = blend(texel(m, c, tx + i, ty),
-                              texel(m, c, tx + i + 1, ty), q->fraction[0]);
-        const float b = blend(texel(m, c, tx + i, ty + 1),
-                              texel(m, c, tx + i + 1, ty + 1), q->fraction[0]);
-        out[i] += amount * blend(a, b, q->fraction[1]);
+        const int next = q->corner[0] + i + 1;
+        const float right[2] = {texel(m, c, next, ty),
+                                texel(m, c, next, ty + 1)};
+        out[i] += amount * blend(blend(left[0], right[0], q->fraction[0]),
+                                 blend(left[1], right[1], q->fraction[0]),
+                                 q->fraction[1]);
+        memcpy(left, right, sizeof left);
     }
 }
 

@@ -215,18 +215,6 @@ static void matrix_of(const struct gp_scene_node *n, double m[16])
     m[15] = 1.0;
 }
 
-/* Puts a node that is nowhere at the origin, with size 0. */
-static void keep_within(double m[16])
-{
-    bool good = true;
-    for (int i = 0; i < 16; i++)
-        good = good && fabs(m[i]) <= MOST_PLACE;
-    if (!good) {
-        memset(m, 0, 16 * sizeof *m);
-        m[15] = 1.0;
-    }
-}
-
 static struct gp_v3 row_of(const double m[16], int i)
 {
     return (struct gp_v3) {m[4 * i], m[4 * i + 1], m[4 * i + 2]};
@@ -315,7 +303,13 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
         gp_matrix_mul(n->local, n->parent >= 0 ? nodes->at[n->parent].world
                                                : root[nodes->turned],
                       n->world);
-        keep_within(n->world);
+        bool good = true;
+        for (int k = 0; k < 16; k++)
+            good = good && fabs(n->world[k]) <= MOST_PLACE;
+        if (!good) { // nowhere: at the origin, with size 0
+            memset(n->world, 0, sizeof n->world);
+            n->world[15] = 1.0;
+        }
     }
     for (int i = 0; i < s->objects; i++) {
         struct gp_object *const o = &s->object[i];

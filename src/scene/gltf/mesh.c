@@ -13,13 +13,6 @@ enum { MOST_TEXELS = 1 << 24 };
 
 // -- materials ----------------------------------------------------------------
 
-static enum gp_wrap wrap_of(int code)
-{
-    return code == 33071   ? GP_WRAP_CLAMP
-           : code == 33648 ? GP_WRAP_MIRROR
-                           : GP_WRAP_REPEAT; // 10497, and without a sampler
-}
-
 /* Reads an image into the cut-out of a texture, or shares that of another. */
 static gp_status read_image(struct gp_gltf *g, int index,
     const struct gp_scene_images *images, long long *texels,
@@ -77,7 +70,9 @@ static gp_status read_cutout(struct gp_gltf *g, int texture,
         GP_TRY(gp_json_int(&at.p, s, "wrapT", 0, INT_MAX, &code[1]));
     }
     for (int i = 0; i < 2; i++)
-        c->wrap[i] = wrap_of(code[i]);
+        c->wrap[i] = code[i] == 33071   ? GP_WRAP_CLAMP
+                     : code[i] == 33648 ? GP_WRAP_MIRROR
+                                        : GP_WRAP_REPEAT; // and no sampler
 out:
     return st;
 }

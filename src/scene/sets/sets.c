@@ -426,20 +426,6 @@ struct gp_sets {
     struct gp_umbras *umbras;
 };
 
-/* Returns a distance along the view axis over that of every object. */
-static double far_of(const struct gp_scene *s, const struct gp_sets_view *v)
-{
-    const double *const m = v->camera.to_ndc;
-    double far = 2.0 * v->near;
-    for (int i = 0; i < s->objects; i++) {
-        const struct gp_object *const o = &s->object[i];
-        const struct gp_v3 c = gp_box_middle(&o->box);
-        far = fmax(far, c.x * m[3] + c.y * m[7] + c.z * m[11] + m[15] +
-                            1.001 * o->radius);
-    }
-    return far;
-}
-
 /* True where the depths decide what a light changes. */
 static bool shows_depths(const struct gp_sets *s)
 {
@@ -471,6 +457,7 @@ static void flag_frame(struct gp_sets *s)
 gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
                        const float *depth)
 {
+    const double *const m = s->view.camera.to_ndc;
     gp_status st = GP_OK;
     gp_free(s->depths.tile);
     s->depths = (struct depths) {0};
@@ -478,7 +465,13 @@ gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
         st = depths_make(log, s->view.window, depth, &s->depths);
     if (st)
         return st;
-    s->far = far_of(s->scene, &s->view);
+    s->far = 2.0 * s->view.near;
+    for (int i = 0; i < s->scene->objects; i++) {
+        const struct gp_object *const o = &s->scene->object[i];
+        const struct gp_v3 c = gp_box_middle(&o->box);
+        s->far = fmax(s->far, c.x * m[3] + c.y * m[7] + c.z * m[11] + m[15] +
+                                  1.001 * o->radius);
+    }
     for (int i = 0; shows_depths(s) && i < s->depths.across * s->depths.down;
          i++)
         s->far = fmax(s->far, (double) s->depths.tile[i].deepest *
@@ -541,20 +534,6 @@ static struct gp_v3 wide_half(const struct gp_sets *s, const struct reach *r,
     return (struct gp_v3) {e.x + more, e.y + more, e.z + more};
 }
 
-/* Flags the objects in reach as L. False: nothing of V is. */
-static bool flag_reached(struct gp_sets *s, const struct reach *r)
-{
-    bool any = false;
-    for (int i = 0; i < s->scene->objects; i++) {
-        const struct gp_object *const o = &s->scene->object[i];
-        if (gp_box_empty(o->box) || reach_misses(r, o))
-            continue;
-        s->flag[i] |= GP_SET_L;
-        any |= (s->flag[i] & GP_SET_V) != 0;
-    }
-    return any;
-}
-
 /* Takes objects in an umbra out of L, and lists I. */
 static void find_lit(struct gp_sets *s, const struct reach *r)
 {
@@ -597,12 +576,19 @@ struct gp_scissor gp_sets_light(struct gp_sets *s, int light)
 {
     const struct gp_sets_view *const v = &s->view;
     const struct reach r = reach_of(&s->scene->light[light]);
-    const bool any = shows_depths(s);
-    for (int i = 0; i < s->scene->objects; i++)
+    const bool any = shows_depths(s), meets = reach_meets(&r, &s->frustum);
+    bool reached = any; // any of V
+    for (int i = 0; i < s->scene->objects; i++) {
+        const struct gp_object *const o = &s->scene->object[i];
         s->flag[i] &= GP_SET_F | GP_SET_V;
+        if (!meets || gp_box_empty(o->box) || reach_misses(&r, o))
+            continue;
+        reached |= (s->flag[i] & GP_SET_V) != 0;
+        s->flag[i] |= GP_SET_L;
+    }
     s->scissor = (struct gp_scissor) {0};
     s->lits = 0;
-    if (!reach_meets(&r, &s->frustum) || (!flag_reached(s, &r) && !any))
+    if (!meets || !reached)
         return s->scissor;
     find_lit(s, &r);
     const struct gp_scissor bounds =

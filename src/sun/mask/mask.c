@@ -70,15 +70,6 @@ static void pixel_span(double at, double radius, int size, int *from, int *to)
     *to = gp_min(pixel_at(at + radius, size) + 1, size);
 }
 
-/* The place from which on surfaces hide nothing. */
-static float limit_of(const struct gp_light *l)
-{
-    const double nearer = l->depth * (1.0 - l->bias);
-    if (isinf(l->depth) && l->depth > 0.0)
-        return EMPTY;
-    return nearer >= -3e38 ? (float) fmin(nearer, 3e38) : -EMPTY; // NaN: none
-}
-
 static struct spot spot_of(const struct gp_occluders *o,
                            const struct gp_map_params *p,
                            const struct gp_light *l)
@@ -86,7 +77,12 @@ static struct spot spot_of(const struct gp_occluders *o,
     const bool scene = p->outside == GP_OUTSIDE_SCENE;
     const bool nowhere = !isfinite(l->x) || !isfinite(l->y) ||
                          !(l->radius >= 0.0);
-    struct spot s = {.limit = limit_of(l)};
+    const double nearer = l->depth * (1.0 - l->bias);
+    struct spot s = {.limit = -EMPTY}; // NaN hides none
+    if (isinf(l->depth) && l->depth > 0.0)
+        s.limit = EMPTY;
+    else if (nearer >= -3e38)
+        s.limit = (float) fmin(nearer, 3e38);
     if (l->behind ? scene : !nowhere && p->outside != GP_OUTSIDE_IGNORE) {
         s.outside[0] = scene ? (float) l->outside
                              : p->outside == GP_OUTSIDE_VISIBLE;
