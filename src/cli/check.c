@@ -302,15 +302,15 @@ static gp_status check_styles(const struct gp_log *log,
 static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
 {
     struct glarepp_layer_params *const splat = &s->light.layer;
-    if (splat->group & (splat->group - 1))
-        return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
-                       "%d); give 1, 2, 4, 8, 16, 32 or 64", splat->group);
+    const bool odd = splat->group & (splat->group - 1);
     // the default of --cluster must not refuse a larger --group
     if (!gp_option_given(s, "cluster") && splat->cluster <= splat->group)
         splat->cluster = 0;
-    if (splat->cluster & (splat->cluster - 1))
-        return gp_fail(log, GP_ERR_USAGE, "--cluster: not a power of two "
-            "(found %d); give 0, 2, 4, 8, 16, 32 or 64", splat->cluster);
+    if (odd || splat->cluster & (splat->cluster - 1))
+        return gp_fail(log, GP_ERR_USAGE, "--%s: not a power of two (found "
+                       "%d); give %s, 2, 4, 8, 16, 32 or 64",
+                       odd ? "group" : "cluster",
+                       odd ? splat->group : splat->cluster, odd ? "1" : "0");
     if (splat->cluster != 0 && splat->cluster <= splat->group)
         return gp_fail(log, GP_ERR_USAGE, "--cluster: must be larger than "
                        "--group (found %d and %d); give a larger one, or 0 "

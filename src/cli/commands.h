@@ -5,14 +5,10 @@
 
 #include "cli/progress.h"
 
-/* Runs frames through the stages, several in flight at once.
- *
- *   read -> sun -> sensors -> glare -> compose -> tonemap -> write
- *
- * A stage runs only when a later one, or an output, needs its result. Reading
- * and writing overlap the computing of other frames; computing, reports,
- * messages and streams keep the order of the jobs, so that no result depends on
- * how many are in flight.
+/* Runs frames through the stages, several in flight at once. A stage runs only
+ * when a later one, or an output, needs its result. Computing, reports, messages
+ * and streams keep the order of the jobs, so that no result depends on how many
+ * are in flight.
  *
  * Makes all frames but those for which gp_job_complete() is true; ends at the
  * first that fails. With --skip-bad-frames it skips frames that have bad data
