@@ -18,7 +18,8 @@ for page in "$root/README.md" "$root"/man/*.md; do
         { while (match($0, /`glarepp [^`]*examples\/[^`]*`/)) {
             block(substr($0, RSTART + 1, RLENGTH - 2))
             $0 = substr($0, RSTART + RLENGTH) } }' "$page"
-    grep -oE '`--?[a-z][^`]*`' "$page" | grep -oE -- '(^`-[a-z]\>|--[a-z][a-z-]+)' |
+    [ "$name" = changes ] || # (it names options that went)
+        grep -oE '`--?[a-z][^`]*`' "$page" | grep -oE -- '(^`-[a-z]\>|--[a-z][a-z-]+)' |
         tr -d '`' | sed "s/\$/ $name/"
 done | sort -u >options
 ok 'there are blocks' [ "$(ls ./*.block | wc -l)" -gt 50 ]

@@ -104,7 +104,7 @@ wrong 2 'of glarepp sets only' 'a picture of scenes' \
     --debug sets=x.png frame.exr
 wrong 3 'absent.glb' 'no such file' sets absent.glb
 sed '/"camera": 0/d; /"cameras"/,+1d; s/4, 5, 6, 7/4, 5, 6/' square.gltf >blind.gltf
-wrong 2 'no camera of that name' 'another camera' \
+wrong 2 '0 cameras of that name' 'another camera' \
     sets --scene-camera top square.gltf
 wrong 4 '0 cameras' 'no camera' sets blind.gltf
 wrong 2 'square.gltf' 'the scene as an output' \

@@ -75,10 +75,4 @@ GP_MUST_CHECK gp_status gp_sun_map_picture(
     const struct gp_map_params *p, const struct gp_light *light, int n,
     int *w, int *h, struct gp_planes *out);
 
-/* Returns the visibility of one light on the CPU: the plain form of the map, for
- * tests, summed in double whatever p->sum. `map` gets r and g of p->side squared
- * texels, or is NULL. */
-double gp_sun_map_reference(const struct gp_occluders *o,
-    const struct gp_map_params *p, const struct gp_light *light, float *map);
-
 #endif
