@@ -265,6 +265,11 @@ gp_status gp_slices_join(const struct gp_log *log, const int slices[2],
         gp_free(d);
         return st;
     }
+    const size_t n = (2 * (size_t) d->rx + 1) * (2 * (size_t) d->ry + 1);
+    for (int c = 0; c < (shape->grey ? 1 : 3); c++) {
+        for (size_t i = 0; i < n; i++) // (of all light, as where diffraction ends)
+            d->v[c][i] = d->v[c][i] < 1e-20 ? 0.0 : d->v[c][i];
+    }
     shape->state = d;
     shape->free = free_deposit;
     shape->row = gp_deposit_row;
