@@ -91,6 +91,7 @@ gp_status gp_lens_lights(const struct gp_log *log,
         log, "lights", (size_t) gp_max(lights, GROUPS), sizeof *list, &list);
     *n = 0;
     *out = st ? NULL : list;
+    *rest = 0.0;
     if (st)
         return st;
     for (int i = 0; i < lights; i++) {
