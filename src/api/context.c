@@ -21,10 +21,11 @@ const char *glarepp_version(void)
 // -- messages -----------------------------------------------------------------
 
 /* The last error of a thread. */
-static _Thread_local struct {
+struct last {
     char parameter[64], text[GP_LINE_BYTES];
     int status;
-} last;
+};
+static _Thread_local struct last last;
 
 const struct glarepp_message *glarepp_error(void)
 {
@@ -210,10 +211,10 @@ static char *list_folder(const char *name)
     FILE *const f = open_memstream(&text, &size);
     for (int i = 0; i < n; i++) {
         const char *const word = entry[i]->d_name;
-        if (f)
+        if (f) {
             fwrite(word, 1, (size_t) (strrchr(word, '.') - word), f);
-        if (f)
             fputc('\0', f);
+        }
         free(entry[i]);
     }
     free(entry);

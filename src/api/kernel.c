@@ -215,10 +215,11 @@ out:
 // -- checks -------------------------------------------------------------------
 
 /* Faults of the last check of a thread. */
-static _Thread_local struct {
+struct faults {
     struct gp_fault found[GP_KERNEL_RULES];
     const char *line[GP_KERNEL_RULES], *parameter[GP_KERNEL_RULES];
-} faults;
+};
+static _Thread_local struct faults faults;
 
 /* Counts the samples that are not finite; returns whether any is light. */
 static bool look_at(const struct gp_image *f, long long *nonfinite)

@@ -111,6 +111,8 @@ static void return_pages(void)
             if (b->free && (!large || b->bytes > large->bytes))
                 large = b;
         }
+        if (!large)
+            return;
         munmap(large->at, large->bytes);
         arena.waiting -= large->bytes;
         *large = arena.block[--arena.blocks];

@@ -323,7 +323,7 @@ static double light_of(const struct pair *p, int c)
 static void fit_image(const struct pair *p, struct gp_flare_quad *q)
 {
     const struct level *const l = p->level;
-    double of_level[3], sums[3]; // pixels of its texel
+    double of_level[3], sums[3] = {0}; // pixels of its texel
     q->inner[0] = (float) l->image.cx;
     q->inner[1] = (float) l->image.cy;
     for (int c = 0; c < 3; c++) {

@@ -564,9 +564,9 @@ void answer(const gp_oiio_ask &ask, int fd[2], gp_oiio_reply &reply,
     limit(RLIMIT_FSIZE, ask.call == GP_OIIO_WRITE ? inherited_file : 0, false);
     switch (ask.call) {
     case GP_OIIO_OPEN: {
-        const int file = fd[0];
+        const int given = fd[0];
         fd[0] = -1;
-        open_file(file, ask, reply.spec, text);
+        open_file(given, ask, reply.spec, text);
         break;
     }
     case GP_OIIO_PIXELS:

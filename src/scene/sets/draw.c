@@ -289,12 +289,12 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
                          sizeof *d->cutout, &d->cutout));
     for (int i = 0; i < s->cutouts; i++) {
-        const struct gp_cutout *const c = &s->cutout[i];
-        if (!c->alpha || c->owner != i)
+        const struct gp_cutout *const cut = &s->cutout[i];
+        if (!cut->alpha || cut->owner != i)
             continue;
-        GP_TRY(gp_texture_make(log, gl, "alpha", GP_TEXEL_CODE, c->w, c->h,
+        GP_TRY(gp_texture_make(log, gl, "alpha", GP_TEXEL_CODE, cut->w, cut->h,
                                &d->cutout[i]));
-        gp_texture_write_codes(gl, &d->cutout[i], c->alpha);
+        gp_texture_write_codes(gl, &d->cutout[i], cut->alpha);
     }
     GP_TRY(make_programs(d));
     GP_TRY(gp_target_make(log, gl, "picture of the scene", GP_TEXEL_DEPTH, 1,
