@@ -319,7 +319,7 @@ static gp_status fill_facts(struct glarepp_plan *plan,
     const char *const *const more = f->file;
     const int n = f->files;
     const gp_status st = gp_alloc(&plan->log, "file names",
-                                  (size_t) (5 + flare->n + n),
+                                  5 + (size_t) flare->n + (size_t) n,
                                   sizeof *plan->file, &plan->file);
     if (st)
         return st;

@@ -113,6 +113,7 @@ static struct kernel_words words_of(const struct gp_settings *s,
 {
     struct kernel_words w = {""};
     int first = 0, last = 1;
+    // NOLINTNEXTLINE(cert-err34-c): the library wrote it
     if (sscanf(parameter, "kernel.word %d %d", &first, &last) != 2 &&
         strncmp(parameter, "kernel.percent", strlen("kernel.percent")) != 0)
         return w;

@@ -479,6 +479,7 @@ static json_t *warnings_json(const struct gp_frame_report *f)
 static void put_rows(json_t *line, const struct row *r, const void *from,
                      bool nested);
 
+// NOLINTNEXTLINE(misc-no-recursion): an object in an object
 static json_t *value_at(const struct row *r, const void *at)
 {
     const double *const v = at;
@@ -527,6 +528,7 @@ static bool is_there(const struct row *r, const char *from)
 
 /* Adds the fields of rows to an object. `nested`: it is the one that their
  * names begin with. */
+// NOLINTNEXTLINE(misc-no-recursion): an object in an object
 static void put_rows(json_t *line, const struct row *r, const void *from,
                      bool nested)
 {

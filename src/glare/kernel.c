@@ -55,7 +55,8 @@ static void sum_raw_row(void *ctx, int y, int thread)
     for (int c = 0; c < 3; c++) {
         const float *const v = s->raw->in.c[c] + at;
         int last = w;
-        r.coloured |= memcmp(v, s->raw->in.c[0] + at, (size_t) w * sizeof *v);
+        r.coloured |=
+            memcmp(v, s->raw->in.c[0] + at, (size_t) w * sizeof *v) != 0;
         for (int x = 0; x < w; x++) {
             r.sum[c] += (double) v[x];
             r.peak = gp_maxf(fabsf(v[x]), r.peak);

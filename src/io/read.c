@@ -234,7 +234,8 @@ gp_status gp_read_stream(const struct gp_log *log,
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: has no part %.200s: parts of "
                        "formats other than EXR have only numbers; give one "
                        "from 0", path, part));
-    GP_TRY(gp_read_image(log, p, path, stream, atoi(part), &image));
+    GP_TRY(gp_read_image(log, p, path, stream, (int) strtol(part, NULL, 10),
+                         &image));
     if (!gp_rect_empty(image.display)) // else it is the data window
         GP_TRY(gp_window_check(log, path, "display", gp_rect_w(image.display),
                gp_rect_h(image.display), p->max_pixels));

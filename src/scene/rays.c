@@ -202,6 +202,7 @@ static float below(double v)
 /* Splits the largest part of a range until there are four, and each part that
  * is no leaf again; returns its node. A node of five items or more has three
  * for each node at most: there are at most n / 3 + 1. */
+// NOLINTNEXTLINE(misc-no-recursion): as deep as the tree
 static int make_node(struct builder *b, struct range r)
 {
     const int i = b->tree->nodes++;

@@ -278,7 +278,7 @@ gp_status gp_quads_sum(const struct gp_log *log, const struct gp_sources *src,
 {
     gp_status st;
     const size_t threads = (size_t) gp_threads();
-    const size_t rows = (size_t) (src->h + GP_QUAD);
+    const size_t rows = (size_t) src->h + GP_QUAD;
     struct quads q = {0};
     struct summing s = {
         .in = &q, .taps = taps, .layer = layer, .w = src->w, .h = src->h,

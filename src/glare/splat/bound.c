@@ -66,7 +66,7 @@ static void subtract(const struct residue *r, const struct gp_polygon *p)
     const int box = gp_blur_box[p->blur];
     const struct footprint v = make_footprint(p->y, box);
     const struct footprint u = make_footprint(p->x, box);
-    const size_t width = (size_t) (r->w + 2 * r->pad);
+    const size_t width = (size_t) r->w + 2 * (size_t) r->pad;
     for (int j = 0; j <= box; j++) {
         const double down = j == 0 ? v.head : j < box ? v.body : v.tail;
         for (int c = 0; c < 3 && down > 0.0; c++) {
@@ -88,8 +88,8 @@ static gp_status make_residue(const struct gp_log *log,
     struct residue *out)
 {
     struct residue r = {.w = src->w, .h = src->h, .pad = pad};
-    const size_t width = (size_t) (r.w + 2 * pad);
-    const size_t n = width * (size_t) (r.h + 2 * pad);
+    const size_t width = (size_t) r.w + 2 * (size_t) pad;
+    const size_t n = width * ((size_t) r.h + 2 * (size_t) pad);
     gp_status st = gp_planes_make(log, "bound", n, &r.d);
     if (st)
         return st;
@@ -157,8 +157,8 @@ static gp_status find_grouping(const struct gp_log *log,
     const struct gp_fftwd *lib;
     struct gp_kernel k = *kernel;
     struct gp_planes light = {0}, dark = {0};
-    const size_t w = (size_t) (r->w + 2 * r->pad);
-    const size_t n = w * (size_t) (r->h + 2 * r->pad);
+    const size_t w = (size_t) r->w + 2 * (size_t) r->pad;
+    const size_t n = w * ((size_t) r->h + 2 * (size_t) r->pad);
     const bool transforms = !gp_fftwd_open(NULL, &lib);
     k.k = drawn->k;
     k.unturned = NULL;
