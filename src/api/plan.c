@@ -318,9 +318,9 @@ static gp_status fill_facts(struct glarepp_plan *plan,
         *f = *gp_ocio_facts(plan->ocio);
     const char *const *const more = f->file;
     const int n = f->files;
-    const gp_status st = gp_alloc(&plan->log, "file names",
-                                  5 + (size_t) flare->n + (size_t) n,
-                                  sizeof *plan->file, &plan->file);
+    const gp_status st =
+        gp_alloc(&plan->log, "file names", 5 + (size_t) flare->n + (size_t) n,
+                 sizeof *plan->file, &plan->file);
     if (st)
         return st;
     f->file = plan->file;
