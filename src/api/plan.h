@@ -51,7 +51,7 @@ struct gp_api_scene {
     struct gp_light_spec *spec;    // owned; of scene.light[]
 };
 
-/* What a plan lends to a frame while it computes. */
+/* The state that a plan lends to a frame while it computes. */
 struct gp_api_work {
     struct gp_glare engines, group_engines;
     struct gp_api_lights *lights;  // NULL: none, no flare and no scene is asked

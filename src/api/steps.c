@@ -391,7 +391,7 @@ struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
 
 // -- layer --------------------------------------------------------------------
 
-/* How the picture goes on for `own`, a part of its sources. */
+/* Returns the way the picture goes on for `own`, a part of its sources. */
 static struct gp_surround edges_of(const struct glarepp_frame *f,
                                    const struct gp_sources *own)
 {

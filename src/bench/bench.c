@@ -67,21 +67,6 @@ static gp_status make_plan(const struct bench *b,
 }
 
 /* Returns a view of a frame's planes. */
-static struct glarepp_image view_of(const struct gp_frame *f)
-{
-    struct glarepp_image v = GLAREPP_IMAGE;
-    for (int c = 0; c < 3; c++)
-        v.plane[c] = f->rgb.c[c];
-    v.data = (struct glarepp_rect) {f->data.x0, f->data.y0, f->data.x1,
-                                    f->data.y1};
-    v.display = (struct glarepp_rect) {f->display.x0, f->display.y0,
-                                       f->display.x1, f->display.y1};
-    v.aspect = f->pixel_aspect;
-    v.primaries = f->names_chromaticities ? f->chromaticities : NULL;
-    v.name = f->path;
-    return v;
-}
-
 /* Runs sensors and glare; *out is the frame after them. */
 static gp_status run_once(struct trial *t, const struct gp_frame *f,
                           struct run *r, struct glarepp_frame **out)
@@ -89,7 +74,7 @@ static gp_status run_once(struct trial *t, const struct gp_frame *f,
     struct glarepp_frame_params p = t->b->params;
     struct glarepp_frame *frame = NULL;
     gp_status st;
-    p.image = view_of(f);
+    p.image = gp_frame_view(f, &f->rgb);
     p.user = &t->log;
     GP_TRY(glarepp_frame(t->plan, &p, &frame));
     const double start = gp_now_ms();
@@ -365,7 +350,7 @@ static gp_status draw_extra(const struct bench *b, const struct extra *e,
 {
     struct glarepp_frame_params p = b->params;
     gp_status st;
-    p.image = view_of(b->f);
+    p.image = gp_frame_view(b->f, &b->f->rgb);
     GP_TRY(glarepp_frame(plan, &p, out));
     GP_TRY(glarepp_frame_run(*out, GLAREPP_SENSE));
     const double start = gp_now_ms();
@@ -446,7 +431,7 @@ static gp_status make_truth(struct bench *b)
     const size_t n = gp_frame_pixels(b->f);
     struct glarepp_image view;
     gp_status st;
-    b->params.image = view_of(b->f);
+    b->params.image = gp_frame_view(b->f, &b->f->rgb);
     b->params.in_place = true;
     b->params.details = true; // keeps the sum
     b->params.user = &b->errors;
@@ -541,7 +526,7 @@ static gp_status make_kernel(struct bench *b, bool own)
     gp_status st;
     if (own) {
         GP_TRY(gp_paper_kernel(b->log, &image));
-        view = view_of(&image);
+        view = gp_frame_view(&image, &image.rgb);
         p = (struct glarepp_kernel_params) GLAREPP_KERNEL_PARAMS;
         p.image = &view;
     }

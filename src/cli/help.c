@@ -284,8 +284,7 @@ static gp_status show_section(const struct gp_log *log, FILE *f, const char *tit
                    "in man/glarepp.1 of the source", title);
 }
 
-/* How a topic names an option: exactly, ignoring an "s", or by one of its
- * values. */
+/* A topic names an option exactly, ignoring an "s", or by one of its values. */
 enum match { NOT, EXACT, LOOSE, VALUE };
 
 static enum match match_of(const struct gp_option *o, const char *topic)

@@ -145,22 +145,6 @@ void gp_hear(void *user, const struct glarepp_message *m)
 
 // -- what it is given ---------------------------------------------------------
 
-struct glarepp_image gp_decoded_of(const struct gp_frame *f,
-                                 const struct gp_planes *planes)
-{
-    struct glarepp_image v = GLAREPP_IMAGE;
-    for (int c = 0; c < 3; c++)
-        v.plane[c] = planes->c[c];
-    v.data = (struct glarepp_rect) {f->data.x0, f->data.y0, f->data.x1,
-                                    f->data.y1};
-    v.display = (struct glarepp_rect) {f->display.x0, f->display.y0,
-                                       f->display.x1, f->display.y1};
-    v.aspect = f->pixel_aspect;
-    v.primaries = f->names_chromaticities ? f->chromaticities : NULL;
-    v.name = f->path;
-    return v;
-}
-
 /* Returns an attribute that is a positive number; 0: none. */
 static double positive(const struct gp_frame *f, const char *name)
 {
@@ -173,7 +157,7 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
 {
     struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
     double size[2] = {0};
-    p.image = gp_decoded_of(f, &f->rgb);
+    p.image = gp_frame_view(f, &f->rgb);
     p.file = (struct glarepp_rect) {f->read.x0, f->read.y0, f->read.x1,
                                     f->read.y1};
     p.numbered = gp_job_number(job, &p.number);
@@ -314,7 +298,7 @@ int gp_picture_read(void *user, const struct glarepp_picture *p,
         gp_frame_free(&lent);
         return (int) st;
     }
-    *out = gp_decoded_of(&lent, &lent.rgb);
+    *out = gp_frame_view(&lent, &lent.rgb);
     return GP_OK;
 }
 

@@ -1,10 +1,10 @@
-/* What the library is given, asks for and says. */
+/* The program as the library's user: parameters, planes and messages. */
 #ifndef GP_CLI_LISTENER_H
 #define GP_CLI_LISTENER_H
 
 #include "cli/jobs.h"
 
-/* Who messages and pictures of the library are for: the user of a context. */
+/* The user of a context, whom its messages and pictures are for. */
 struct gp_listener {
     const struct gp_log *log;
     const struct gp_settings *s;
@@ -18,10 +18,6 @@ void gp_hear(void *user, const struct glarepp_message *m);
  * --engine fft", or ", or use --engine fft" where the text gives advice, or
  * "". */
 const char *gp_hint(const char *parameter, const char *text);
-
-/* Returns a view of planes of a frame, as its file describes them. */
-struct glarepp_image gp_decoded_of(const struct gp_frame *f,
-                                 const struct gp_planes *planes);
 
 /* Returns what a job and its file say of a frame, and a view of its pixels. */
 struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,

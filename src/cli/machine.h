@@ -1,5 +1,5 @@
-/* What the process runs in: the memory that it may use, and the environment,
- * which the library does not read. */
+/* The machine around the process: the memory that it may use, and the
+ * environment, which the library does not read. */
 #ifndef GP_CLI_MACHINE_H
 #define GP_CLI_MACHINE_H
 

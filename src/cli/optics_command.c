@@ -208,7 +208,7 @@ static gp_status look_at_frame(const struct gp_log *log, struct glarepp *gp,
     GP_TRY(gp_read_frame(log, &limits, path, &f));
     use->w = gp_frame_w(&f);
     use->h = gp_frame_h(&f);
-    p.image = gp_decoded_of(&f, &f.rgb);
+    p.image = gp_frame_view(&f, &f.rgb);
     p.in_place = true;
     GP_TRY(glarepp_plan(gp, &how, &plan));
     GP_TRY(glarepp_frame(plan, &p, &frame));
@@ -268,7 +268,7 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
     GP_TRY(find_checked(log, gp, s, &f, &use.label));
     if (s->input.files.n)
         GP_TRY(look_at_frame(log, gp, s, s->input.files.at[0], &use));
-    struct glarepp_image image = gp_decoded_of(&f, &f.rgb);
+    struct glarepp_image image = gp_frame_view(&f, &f.rgb);
     image.name = name;
     if (gp_kernel_is_file(name)) // what was drawn is turned already
         use.rotate = s->plan.rotate;

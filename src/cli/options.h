@@ -82,7 +82,7 @@ struct gp_output_settings {
     bool no_provenance;                // no glarepp:command in files
 };
 
-/* What glares, and how its layer is made and joins the frame. */
+/* Settings of the light that glares, and of its layer. */
 struct gp_light_settings {
     const char *style;                 // a word of gp_styles
     struct glarepp_sense_params sense;
@@ -117,7 +117,7 @@ struct gp_tone_settings {
     struct gp_texts context;           // ... of map
 };
 
-/* What glarepp kernel and glarepp lens make. */
+/* Settings of glarepp kernel and glarepp lens. */
 struct gp_making {
     bool list;
     const char *check;                 // NULL: not given
@@ -140,7 +140,7 @@ struct gp_compare_settings {
 
 enum { GP_FRAME_JOBS = 64 }; // most frames in flight
 
-/* How a run goes and what it says. */
+/* Settings of the whole run, and of its words. */
 struct gp_run_settings {
     int threads;                       // 0: all processors
     int frame_jobs;                    // frames in flight; 0: by memory

@@ -50,7 +50,7 @@ struct gp_read_facts {
     struct gp_rect file;         // data window of the file
 };
 
-/* What says where a light in the frame is hidden: how near its share is. */
+/* The plane that hides lights in the frame: it says how near shares are. */
 enum gp_edges {
     GP_EDGES_NONE, // no light is in the frame, or nothing hides any
     GP_EDGES_DEPTH,

@@ -77,7 +77,7 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     if (st)
         return st;
     for (int i = 0; i < fs->groups; i++)
-        group[i] = gp_decoded_of(&fs->group[i], &fs->group[i].rgb);
+        group[i] = gp_frame_view(&fs->group[i], &fs->group[i].rgb);
     p.in_place = true;
     p.group = group;
     p.groups = fs->groups;
@@ -402,7 +402,7 @@ static gp_status convert_layer(const struct gp_log *log, void *user,
     struct glarepp_frame *frame = NULL;
     struct glarepp_image v;
     gp_status st;
-    p.image = gp_decoded_of(f, in);
+    p.image = gp_frame_view(f, in);
     p.in_place = true;
     GP_TRY((gp_status) glarepp_frame(r->plan, &p, &frame));
     GP_TRY((gp_status) glarepp_frame_view(frame, GLAREPP_OUTPUT, 0, &v));

@@ -1,4 +1,4 @@
-/* How different two images in memory are: the figures of OpenImageIO's idiff
+/* The difference of two images in memory: the figures of OpenImageIO's idiff
  * 2.4, those of the engines (the program's own errors), FLIP, and what an eye
  * sees. All are the same for any number of threads. Images, limits and figures
  * are those of glarepp.h. */

@@ -42,7 +42,7 @@ enum {
     GP_EDGE_LAMP = 3,   // cells to each side that broad light has at least
 };
 
-/* How the picture goes on.
+/* The ways in which the picture goes on.
  *   BLACK   not at all
  *   EXTEND  as above
  *   MIRROR  as its mirror image, gp_mirror_reach() pixels far, then as above */

@@ -107,3 +107,19 @@ char *gp_frame_text(const struct gp_frame *f, const char *name)
     return o && !exr_attr_get_string(o->exr, o->part, name, &length, &text)
                ? gp_strdup(text) : NULL;
 }
+
+struct glarepp_image gp_frame_view(const struct gp_frame *f,
+                                   const struct gp_planes *planes)
+{
+    struct glarepp_image v = GLAREPP_IMAGE;
+    for (int c = 0; c < 3; c++)
+        v.plane[c] = planes->c[c];
+    v.data = (struct glarepp_rect) {f->data.x0, f->data.y0, f->data.x1,
+                                    f->data.y1};
+    v.display = (struct glarepp_rect) {f->display.x0, f->display.y0,
+                                       f->display.x1, f->display.y1};
+    v.aspect = f->pixel_aspect;
+    v.primaries = f->names_chromaticities ? f->chromaticities : NULL;
+    v.name = f->path;
+    return v;
+}

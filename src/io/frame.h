@@ -4,6 +4,7 @@
 #define GP_IO_FRAME_H
 
 #include "core/image.h"
+#include "glarepp.h"
 
 /* One channel of the part that holds the colour, in the file's order.
  *
@@ -113,5 +114,10 @@ bool gp_frame_numbers(const struct gp_frame *f, const char *name, int n,
 /* A string attribute of the frame's colour part, from gp_alloc(); NULL where
  * there is none, or memory is full. */
 char *gp_frame_text(const struct gp_frame *f, const char *name);
+
+/* Returns a view of planes of a frame for the library, as its file describes
+ * them. It lives no longer than they. */
+struct glarepp_image gp_frame_view(const struct gp_frame *f,
+                                   const struct gp_planes *planes);
 
 #endif

@@ -51,7 +51,7 @@ static const struct format {
 
 enum { ENDING_BYTES = 16 };
 
-/* What a path is written as. */
+/* The format and form in which a path is written. */
 struct target {
     const struct format *format; // NULL: none
     char ending[ENDING_BYTES];

@@ -252,7 +252,7 @@ struct pair {
     double diameter;
 };
 
-/* What lights share of an element. */
+/* The part of an element that is the same for all lights. */
 struct shared {
     struct gp_flare_look look;   // for the last one's diameter
     struct level level;

@@ -43,7 +43,6 @@ SIZES = {  # path below src: reason
     "core/half.c": "halfs to floats and back",
     "core/image.c": "planes; what a picture is stands in its header",
     "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",
-    "io/frame.c": "what a frame owns",
 }
 SUBJECT = re.compile(
     r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*(, [a-z0-9_/-]+)*: \S.*[^.]$")

@@ -112,7 +112,7 @@ static void write_quads(void *ctx, int r, int thread)
     }
 }
 
-/* What is made so far stays in *q on failure. */
+/* Lists the quads. On failure *q holds those made so far. */
 static gp_status make_quads(const struct gp_log *log,
                             const struct gp_sources *src, struct quads *q)
 {

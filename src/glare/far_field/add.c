@@ -90,7 +90,7 @@ static double frequency(int i, int n)
     return (double) (2 * i <= n ? i : i - n) / n;
 }
 
-/* What one channel's spectrum limits the error by. */
+/* Figures of one channel's spectrum that limit the error. */
 struct limits {
     double most, edge;  // of the frequencies
     double sum, square; // over all frequencies

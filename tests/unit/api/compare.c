@@ -94,7 +94,7 @@ static void pictures(void **state)
     glarepp_close(&gp);
 }
 
-/* What cannot be compared is an error that names a parameter. */
+/* Images that cannot be compared are an error that names a parameter. */
 static void errors(void **state)
 {
     static const int64_t first[PIXELS + 1];

@@ -20,7 +20,7 @@ static void keep(void *user, const struct glarepp_message *m)
         snprintf(text, sizeof text, "%s", m->text);
 }
 
-/* What a run is given, and the picture that it makes. */
+/* The input of a run, and the picture that it makes. */
 struct run {
     const char *name;
     int (*call)(struct glarepp *gp, const struct run *run);
@@ -225,8 +225,8 @@ static const struct fault {
 } faults[] = {{FAIL_ALLOC, GLAREPP_ERR_BUG}, {FAIL_IO, GLAREPP_ERR_IO},
               {FAIL_GL, GLAREPP_ERR_GL}};
 
-/* What a run can do without may fail: its picture is the same then. Returns
- * whether the run was done without the fault. */
+/* A step that a run can do without may fail: its picture is the same then.
+ * Returns whether the run was done without the fault. */
 static bool one_fault(struct glarepp *gp, const struct run *run,
                       const struct fault *f, const float *want)
 {

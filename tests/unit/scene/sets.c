@@ -313,7 +313,7 @@ static void figure_15_2(void **state)
     made_free(&s);
 }
 
-/* What is behind a mesh is dark where that is closed, convex, and lets no light
+/* Space behind a mesh is dark where that is closed, convex, and lets no light
  * through. */
 static void bodies_throw_umbras(void **state)
 {
