@@ -157,9 +157,10 @@ double gp_api_camera_fov(const struct glarepp_frame *f)
         return plan->fov;
     if (f->work->lights)
         return gp_suns_fov(&f->work->lights->suns, about, &f->image);
+    const enum gp_ndc asked = (enum gp_ndc) plan->sun.ndc;
     return about->has_ndc &&
                    !gp_camera_make(NULL, NULL, NULL, about->to_ndc,
-                                   plan->sun.ndc ? plan->sun.ndc : about->ndc, &c)
+                                   asked ? asked : about->ndc, &c)
                ? gp_camera_fov(&c) : 0.0;
 }
 
@@ -272,7 +273,7 @@ static gp_status draw_map(struct glarepp_frame *f, bool intensity,
                           f->sink.name);
     const struct gp_suns *const suns = &f->work->lights->suns;
     return gp_sun_map_picture(&f->log, &suns->occluders,
-                              intensity ? NULL : &suns->p->map, suns->light,
+                              intensity ? NULL : suns->p, suns->light,
                               suns->n, &p->w, &p->h, &p->planes);
 }
 

@@ -65,7 +65,7 @@ static gp_status measure_outside(struct glarepp_frame *f)
     struct gp_api_scene *const scene = f->work->scene;
     struct gp_suns *const suns = &f->work->lights->suns;
     const struct gp_rect known = suns->occluders.frame;
-    if (f->plan->sun.map.outside != GP_OUTSIDE_SCENE || suns->n == 0)
+    if (f->plan->sun.outside != GLAREPP_BY_SCENE || suns->n == 0)
         return GP_OK;
     if (!scene || !scene->has_camera)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.outside", "%s: shares "
@@ -113,7 +113,7 @@ static gp_status note_shares(struct glarepp_frame *f)
     if (st)
         return st;
     if (f->p.details)
-        gp_sun_interval(o, suns->p->map.outside, suns->light, suns->n);
+        gp_sun_interval(o, suns->p->outside, suns->light, suns->n);
     for (int i = 0; i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
         struct glarepp_share *const s = &f->share[i];
@@ -137,8 +137,8 @@ static gp_status note_shares(struct glarepp_frame *f)
 gp_status gp_api_shares(struct glarepp_frame *f)
 {
     static const char *const methods[] = {
-        [GP_SUN_EXACT] = "exact", [GP_SUN_MASK] = "mask",
-        [GP_SUN_READBACK] = "readback",
+        [GLAREPP_EXACT] = "exact", [GLAREPP_MASK] = "mask",
+        [GLAREPP_READBACK] = "readback",
     };
     struct gp_suns *const suns = &f->work->lights->suns;
     if (f->plan->lit)

@@ -11,15 +11,13 @@
 
 // -- parameters ---------------------------------------------------------------
 
-enum { MOST_TEXTS = 64 };
+enum { MOST_TEXTS = 16 };
 
 /* Has the plan own a block; NULL: memory is full. */
 static gp_status own(struct glarepp_plan *plan, void *block)
 {
-    if (!block || plan->texts == MOST_TEXTS) {
-        free(block);
+    if (!block)
         return gp_no_memory_bare(&plan->log, "plan");
-    }
     plan->text[plan->texts++] = block;
     return GP_OK;
 }
@@ -59,14 +57,9 @@ static gp_status keep_list(struct glarepp_plan *plan,
 static gp_status take_sense(struct glarepp_plan *plan,
                             const struct glarepp_sense_params *from)
 {
-    struct glarepp_sense_params p = GLAREPP_SENSE_PARAMS;
-    const gp_status st = gp_api_params(&plan->log, "sense", &p, sizeof p, from);
-    plan->sense = (struct gp_sensor_params) {
-        .threshold = p.threshold, .unit = (enum gp_threshold_unit) p.unit,
-        .mode = p.whole ? GP_THRESHOLD_WHOLE : GP_THRESHOLD_EXCESS,
-        .knee = p.knee, .max_value = p.max_value,
-    };
-    return st;
+    plan->sense = (struct glarepp_sense_params) GLAREPP_SENSE_PARAMS;
+    return gp_api_params(&plan->log, "sense", &plan->sense, sizeof plan->sense,
+                         from);
 }
 
 static gp_status take_layer(struct glarepp_plan *plan,
@@ -96,36 +89,17 @@ static gp_status take_layer(struct glarepp_plan *plan,
     plan->glare.fft_plan =
         p.measure ? GP_FFT_PLAN_MEASURE : GP_FFT_PLAN_ESTIMATE;
     plan->glare.wisdom = p.wisdom;
-    plan->compose = (struct gp_compose_params) {
-        .gain = p.gain,
-        .mix = p.mix == GLAREPP_ADD ? GP_MIX_ADD : GP_MIX_SCATTER,
-    };
-    plan->edges = (enum gp_surround_how) p.edges;
+    plan->compose = (struct gp_compose_params) {.gain = p.gain, .mix = p.mix};
+    plan->edges = p.edges;
     const gp_status kept = keep(plan, &plan->glare.engine);
     return kept ? kept : keep(plan, &plan->glare.wisdom);
-}
-
-static struct gp_light_spec spec_of(const struct glarepp_light *l)
-{
-    const struct gp_light usual = GP_LIGHT_DEFAULTS;
-    struct gp_light_spec spec = {
-        .place = (enum gp_light_place) l->place,
-        .at = {l->at[0], l->at[1], l->at[2]},
-        .radius = l->radius >= 0.0 ? l->radius
-                  : l->place == GLAREPP_PIXEL ? usual.radius : -1.0,
-        .degrees = l->degrees, .ball = l->ball, .depth = l->depth,
-        .bias = l->bias, .flux = {l->flux[0], l->flux[1], l->flux[2]},
-    };
-    memcpy(spec.name, l->name, sizeof spec.name);
-    spec.name[sizeof spec.name - 1] = '\0';
-    return spec;
 }
 
 static gp_status take_lights(struct glarepp_plan *plan,
                              const struct glarepp_light_params *from)
 {
     struct glarepp_light_params p = GLAREPP_LIGHT_PARAMS;
-    struct gp_light_spec *spec = NULL;
+    struct glarepp_light *light;
     gp_status st = gp_api_params(&plan->log, "lights", &p, sizeof p, from);
     if (st)
         return st;
@@ -133,26 +107,19 @@ static gp_status take_lights(struct glarepp_plan *plan,
         return gp_fail_at(&plan->log, GP_ERR_USAGE, "lights.lights", "lights: "
                           "too many (found %d); the limit is %d", p.lights,
                           GP_LIGHTS_MAX);
-    spec = calloc((size_t) p.lights + 1, sizeof *spec);
-    GP_TRY(own(plan, spec));
-    for (int i = 0; i < p.lights; i++)
-        spec[i] = spec_of(&p.light[i]);
-    plan->camera_sun = spec_of(&p.sun);
-    plan->sun = (struct gp_sun_params) {
-        .spec = spec, .specs = p.lights, .sun = &plan->camera_sun,
-        .lights = p.file, .camera = p.cameras, .flare = p.flare,
-        .size = p.degrees, .method = (enum gp_sun_method) p.method,
-        .map = {.outside = (enum gp_sun_outside) p.outside, .side = p.side,
-                .pattern = p.square ? GP_PATTERN_SQUARE : GP_PATTERN_DISC,
-                .sum = p.bytes ? GP_SUM_BYTE : GP_SUM_FLOAT},
-        .depth_type = (enum gp_depth_type) p.depth,
-        .ndc = (enum gp_ndc) p.ndc, .in_frame = p.in_frame,
-        .needed = p.needed, .adapt = p.adapt, .more_flux = p.faded,
-    };
+    light = calloc((size_t) p.lights + 1, sizeof *light);
+    GP_TRY(own(plan, light));
+    for (int i = 0; i < p.lights; i++) {
+        light[i] = p.light[i];
+        light[i].name[sizeof light[i].name - 1] = '\0';
+    }
+    p.light = light;
+    p.sun.name[sizeof p.sun.name - 1] = '\0';
     plan->lit = p.lights || p.file || p.cameras;
-    GP_TRY(keep(plan, &plan->sun.lights));
-    GP_TRY(keep(plan, &plan->sun.camera));
-    GP_TRY(keep(plan, &plan->sun.flare));
+    GP_TRY(keep(plan, &p.file));
+    GP_TRY(keep(plan, &p.cameras));
+    GP_TRY(keep(plan, &p.flare));
+    plan->sun = p;
 out:
     return st;
 }
@@ -168,7 +135,7 @@ static gp_status take_scene(struct glarepp_plan *plan,
     GP_TRY(keep_list(plan, &p.relight, p.relights));
     plan->scene = p;
     plan->lit |= p.path != NULL;
-    plan->sun.more_flux |= p.path && p.light_scale > 0.0;
+    plan->sun.faded |= p.path && p.light_scale > 0.0;
 out:
     return st;
 }
@@ -312,7 +279,7 @@ static gp_status fill_facts(struct glarepp_plan *plan,
     const struct gp_flare none = {0};
     const struct gp_flare *const flare =
         w->lights ? &w->lights->suns.flare : &none;
-    const char *const own[] = {plan->sun.lights, plan->sun.camera, flare->path,
+    const char *const own[] = {plan->sun.file, plan->sun.cameras, flare->path,
                                plan->lens_params.lens, plan->scene.path};
     if (plan->ocio)
         *f = *gp_ocio_facts(plan->ocio);

@@ -48,7 +48,7 @@ struct gp_api_scene {
     // of the frame
     bool has_camera;
     struct gp_camera frame_camera; // its own, else the scene's
-    struct gp_light_spec *spec;    // owned; of scene.light[]
+    struct glarepp_light *light;   // owned; of scene.light[]
 };
 
 /* The state that a plan lends to a frame while it computes. */
@@ -73,14 +73,13 @@ struct glarepp_plan {
     struct gp_log log;             // the context's
     // parameters
     double fov, rotate;            // degrees; fov 0: by the frame
-    struct gp_sensor_params sense;
+    struct glarepp_sense_params sense;
     struct gp_glare_params glare;
     struct gp_compose_params compose;
-    enum gp_surround_how edges;
+    enum glarepp_edges edges;
     bool lit;                      // a frame may have lights, its own or a
                                    // scene's
-    struct gp_sun_params sun;
-    struct gp_light_spec camera_sun; // sun.sun
+    struct glarepp_light_params sun;
     struct glarepp_lens_params lens_params; // lens NULL: none
     struct glarepp_scene_params scene;      // path NULL: none
     struct glarepp_tone_params tone; // curve and exposure

@@ -86,7 +86,7 @@ gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
     if (camera)
         work->lights->suns.more_fov = camera->yfov * (180.0 / PI);
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) s->lights + 1,
-                         sizeof *own->spec, &own->spec));
+                         sizeof *own->light, &own->light));
 out:
     return st;
 }
@@ -95,7 +95,7 @@ void gp_api_scene_end(struct gp_api_scene **scene)
 {
     gp_meshes_free(&(*scene)->meshes);
     gp_scene_free(&(*scene)->scene);
-    gp_free((*scene)->spec);
+    gp_free((*scene)->light);
     GP_FREE(*scene);
 }
 
@@ -104,35 +104,26 @@ void gp_api_scene_end(struct gp_api_scene **scene)
 /* Light of the scene as one of the frame. Its flux is that of a disc as bright
  * as the light: a lamp's intensity over pi r^2, a sun's illuminance over the
  * disc's solid angle, times the disc's pixels. */
-static struct gp_light_spec spec_of(const struct glarepp_plan *plan,
+static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     const struct gp_scene_light *l, const struct gp_camera *c,
     struct gp_rect display)
 {
-    const struct gp_light usual = GP_LIGHT_DEFAULTS;
-    struct gp_light_spec spec = {
-        .place = GP_PLACE_WORLD, .at = {l->at.x, l->at.y, l->at.z},
-        .depth = NAN, .bias = usual.bias,
-        .ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size,
-    };
+    const bool sun = l->kind == GP_LIGHT_DIRECTIONAL;
     struct gp_v3 to = gp_v3_scale(l->along, -1.0); // the light, from the eye
-    double sine = 1.0; // of half the angle that the disc is seen under
+    struct glarepp_light spec = GLAREPP_LIGHT;
+    const struct gp_v3 at = sun ? to : l->at;
+    spec.place = sun ? GLAREPP_DIRECTION : GLAREPP_WORLD;
+    memcpy(spec.at, (double[3]) {at.x, at.y, at.z}, sizeof spec.at);
+    spec.degrees = (double) plan->sun.degrees;
+    spec.ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size;
     memcpy(spec.name, l->name, sizeof spec.name);
-    if (l->kind == GP_LIGHT_DIRECTIONAL) {
-        spec.place = GP_PLACE_DIRECTION;
-        spec.at[0] = to.x;
-        spec.at[1] = to.y;
-        spec.at[2] = to.z;
-        spec.degrees = (double) plan->sun.size;
-        spec.radius = -1.0;
-        sine = sin(spec.degrees * (PI / 360.0));
-    } else {
-        spec.radius = spec.ball > 0.0 ? -1.0 : usual.radius;
-    }
+    // of half the angle that the disc is seen under
+    double sine = sin(spec.degrees * (PI / 360.0));
     if (!c || !(plan->scene.light_scale > 0.0))
         return spec;
     // a disc of a small angle has as many pixels as its sine's square says
     double power = l->intensity;
-    if (l->kind != GP_LIGHT_DIRECTIONAL) {
+    if (!sun) {
         to = gp_v3_sub(l->at, gp_camera_eye(c));
         const double distance = fmax(gp_v3_length(to), 1e-9);
         const double size = spec.ball > 0.0 ? spec.ball : 1e-4 * distance;
@@ -246,7 +237,7 @@ static gp_status check_relight(const struct glarepp_frame *f)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.has_ndc", "%s: "
                           "relighting needs a camera, and neither the frame nor "
                           "the scene has one", f->sink.name);
-    if (f->plan->sun.depth_type != GP_DEPTH_Z)
+    if (f->plan->sun.depth != GLAREPP_Z)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.depth", "relighting "
                           "needs distances along the view axis");
     return GP_OK;
@@ -268,10 +259,10 @@ gp_status gp_api_pose(struct glarepp_frame *f)
     const struct gp_camera *const c =
         own->has_camera ? &own->frame_camera : NULL;
     for (int i = 0; i < own->scene.lights; i++)
-        own->spec[i] = spec_of(f->plan, &own->scene.light[i], c,
+        own->light[i] = spec_of(f->plan, &own->scene.light[i], c,
                                f->image.display);
     f->work->lights->suns.more = (struct gp_suns_more) {
-        .spec = own->spec, .specs = own->scene.lights, .camera = c,
+        .light = own->light, .lights = own->scene.lights, .camera = c,
     };
     return GP_OK;
 }

@@ -26,12 +26,12 @@ static gp_status sense_groups(struct glarepp_frame *f)
 {
     struct gp_sources *const src = &f->sources;
     struct gp_sources none = {0}, all = {0};
-    struct gp_sensor_params sense = f->plan->sense;
+    struct glarepp_sense_params sense = f->plan->sense;
     struct gp_source *list = NULL;
     size_t n = 0;
     gp_status st;
     sense.threshold = src->threshold; // the frame's, for all of them
-    sense.unit = GP_THRESHOLD_LUMINANCE;
+    sense.unit = GLAREPP_LUMINANCE;
     memset(src->faint, 0, sizeof src->faint);
     for (int i = 0; i < f->groups; i++) {
         struct gp_sources *const own = &f->group[i].sources;
@@ -217,7 +217,7 @@ static struct gp_kernel_use use_of(const struct glarepp_frame *f, int *worst)
         use.resampled = f->kernel->k.unturned || field->aspect != 1.0 ||
                         scale != 1.0;
     }
-    use.add = f->plan->compose.mix == GP_MIX_ADD;
+    use.add = f->plan->compose.mix == GLAREPP_ADD;
     use.brightest =
         (double) f->sources.brightest * (double) f->plan->compose.gain;
     return use;
@@ -330,7 +330,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
         gp_recipe_adapt(&recipe[i], f->mean, f->white);
     if (lights)
         reach_lights(f, &field);
-    if (f->plan->edges == GP_SURROUND_MIRROR) {
+    if (f->plan->edges == GLAREPP_MIRROR) {
         const int more = 2 * gp_mirror_reach(gp_image_w(&f->image),
                                              gp_image_h(&f->image));
         field.w += more;
@@ -434,7 +434,7 @@ static gp_status add_layer(struct glarepp_frame *f)
         f->facts.sense.lamps = gp_kernel_request_share(f->plan->request) *
                                    luminance_of(&f->image, light->flux) -
                                f->facts.sense.bright;
-    p.taken = f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources : NULL;
+    p.taken = f->plan->compose.mix == GLAREPP_SCATTER ? &f->sources : NULL;
     p.edges = edges_of(f, &f->sources);
     p.last = f->p.last;
     if (light->n > 0) {
@@ -462,7 +462,7 @@ static gp_status verify(struct glarepp_frame *f)
     }
     gp_glare_measure(&f->image, &f->image.layer, f->exact,
                      f->plan->compose.gain,
-                     f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources
+                     f->plan->compose.mix == GLAREPP_SCATTER ? &f->sources
                                                             : NULL, &error);
     f->facts.errors = (struct glarepp_errors) {
         error.rel_l2, error.max_rel, error.max_abs, error.flux_error};

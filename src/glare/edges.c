@@ -236,7 +236,7 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
     gp_status st = GP_OK;
     bool lit = false;
     *out = NULL;
-    if (edges->how == GP_SURROUND_BLACK || !s || !s->n || !own->n)
+    if (edges->how == GLAREPP_BLACK || !s || !s->n || !own->n)
         return GP_OK;
     const int side = (gp_max(s->w, s->h) + GP_EDGE_CELLS - 1) / GP_EDGE_CELLS;
     struct border border = {

@@ -35,6 +35,7 @@
 #include "core/image.h"
 #include "core/status.h"
 #include "glare/sources.h"
+#include "glarepp.h"
 
 enum {
     GP_EDGE_CELLS = 48, // along the longer side: no finer, as a cell is the
@@ -46,10 +47,8 @@ enum {
  *   BLACK   not at all
  *   EXTEND  as above
  *   MIRROR  as its mirror image, gp_mirror_reach() pixels far, then as above */
-enum gp_surround_how { GP_SURROUND_BLACK, GP_SURROUND_EXTEND, GP_SURROUND_MIRROR };
-
 struct gp_surround {
-    enum gp_surround_how how;
+    enum glarepp_edges how;
     const struct gp_sources *picture; // whose border is looked at; borrowed;
                                       // NULL: as BLACK
     const struct gp_sources *own;     // the part of it whose light is wanted:

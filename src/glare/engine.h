@@ -183,15 +183,13 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
 
 // -- the frame and its layer -------------------------------------------------
 
-enum gp_mix { GP_MIX_ADD, GP_MIX_SCATTER };
-
 struct gp_compose_params {
     float gain;  // >= 0
-    enum gp_mix mix;
+    enum glarepp_mix mix;
     float dim;   // share of everything that a narrower pupil takes; 0 to 1
     bool last;   // nothing reads f->layer afterwards
 };
-#define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GP_MIX_SCATTER }
+#define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GLAREPP_SCATTER }
 
 /* Makes f->lit from f->rgb, f->layer and the sources.
  *   add:     lit = rgb + gain * layer

@@ -348,7 +348,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     struct gp_image *f, struct gp_glare_stats *stats)
 {
     gp_status st;
-    if (p->edges.how != GP_SURROUND_MIRROR || !src->n)
+    if (p->edges.how != GLAREPP_MIRROR || !src->n)
         return run_picture(log, p, g, src, kernel, f, stats);
     struct gp_mirrored m = {0};
     struct gp_glare_params params = *p;
@@ -507,7 +507,7 @@ gp_status gp_compose(const struct gp_log *log,
     struct composing m = {
         .f = f, .src = src, .layer = &f->layer, .gain = p->gain,
         .keep = 1.0f - p->dim,
-        .taken = p->mix == GP_MIX_SCATTER && src->n > 0
+        .taken = p->mix == GLAREPP_SCATTER && src->n > 0
                      ? gp_minf(p->gain, 1.0f) : 0.0f,
     };
     const size_t w = (size_t) gp_image_w(f);

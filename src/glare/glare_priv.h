@@ -14,7 +14,7 @@
 // -- sensors.c, reference.c: declared for tests ------------------------------
 
 /* Returns the share of a pixel of luminance y that is light, 0 to 1. */
-float gp_bright_pass(const struct gp_sensor_params *p, float y);
+float gp_bright_pass(const struct glarepp_sense_params *p, float y);
 
 /* gp_glare_reference() by plain loops, in time of sources times taps. */
 void gp_glare_reference_direct(const struct gp_sources *src,

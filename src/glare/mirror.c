@@ -89,7 +89,7 @@ gp_status gp_mirror(const struct gp_log *log, const struct gp_surround *edges,
     gp_status st;
     *m = (struct gp_mirrored) {
         .reach = gp_mirror_reach(src->w, src->h),
-        .edges = {.how = GP_SURROUND_EXTEND},
+        .edges = {.how = GLAREPP_EXTEND},
     };
     GP_TRY(mirror_sources(log, src, m->reach, &m->src));
     GP_TRY(mirror_other(log, edges->picture, src, m->reach, &m->src,

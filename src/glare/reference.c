@@ -176,7 +176,7 @@ gp_status gp_glare_reference(const struct gp_log *log,
     gp_status st;
     struct gp_mirrored m = {0};
     double *wide = NULL;
-    if (!edges || edges->how != GP_SURROUND_MIRROR)
+    if (!edges || edges->how != GLAREPP_MIRROR)
         return sum_all(log, edges, src, k, layer);
     GP_TRY(gp_mirror(log, edges, src, NULL, &m));
     const size_t pitch = (size_t) m.src.w, n = pitch * (size_t) m.src.h;

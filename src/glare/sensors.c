@@ -45,7 +45,7 @@ struct block_sum {
 };
 
 struct sense {
-    const struct gp_sensor_params *p;
+    const struct glarepp_sense_params *p;
     float most;                  // limit of a channel
     float top;                   // replaces +Inf; 0: not known yet
     bool again;                  // bad pixels were counted
@@ -60,9 +60,9 @@ struct sense {
     size_t step;                 // of the grid, in pixels
 };
 
-float gp_bright_pass(const struct gp_sensor_params *p, float y)
+float gp_bright_pass(const struct glarepp_sense_params *p, float y)
 {
-    if (p->mode == GP_THRESHOLD_EXCESS)
+    if (!p->whole)
         return y > FLT_MAX ? 1.0f : y > p->threshold ? (y - p->threshold) / y
                                                      : 0.0f;
     if (p->knee <= 0.0f)
@@ -243,7 +243,7 @@ GP_CLONES static int find_bright(const struct sense *s,
         at += lum[i] > s->open;
     }
     const bool whole =
-        s->p->mode == GP_THRESHOLD_WHOLE && !(s->p->knee > 0.0f);
+        s->p->whole && !(s->p->knee > 0.0f);
     for (int i = 0; i < at && !whole; i++) {
         const float pass = gp_bright_pass(s->p, out->largest[i]);
         for (int k = 0; k < 3; k++)
@@ -345,19 +345,19 @@ static double total(const double v[WIDE])
 
 /* Returns the luminance over which a pixel is bright, for a threshold in
  * luminance. */
-static float opening(const struct gp_sensor_params *p)
+static float opening(const struct glarepp_sense_params *p)
 {
-    const bool ramp = p->mode == GP_THRESHOLD_WHOLE && p->knee > 0.0f;
+    const bool ramp = p->whole && p->knee > 0.0f;
     return ramp ? p->threshold * (1.0f - p->knee) : p->threshold;
 }
 
 /* Cleans the frame, finds its threshold and counts its bright pixels. Errors:
  * GP_ERR_BUG out of memory. */
 static gp_status clean_frame(const struct gp_log *log, struct sense *s,
-    int blocks, const struct gp_image *f, struct gp_sensor_params *p)
+    int blocks, const struct gp_image *f, struct glarepp_sense_params *p)
 {
     gp_status st = GP_OK;
-    const bool relative = p->unit != GP_THRESHOLD_LUMINANCE;
+    const bool relative = p->unit != GLAREPP_LUMINANCE;
     bool infinite = false;
     s->open = opening(p);
     gp_parallel_do(blocks, clean_block, s);
@@ -370,14 +370,14 @@ static gp_status clean_frame(const struct gp_log *log, struct sense *s,
             s->top = gp_maxf(s->block[i].largest, s->top);
         clean_again(s, blocks);
     }
-    if (p->unit == GP_THRESHOLD_PERCENT)
+    if (p->unit == GLAREPP_PERCENTILE)
         st = gp_luminance_percentile(log, f, (double) p->threshold,
                                      &p->threshold);
-    if (p->unit == GP_THRESHOLD_EV)
+    if (p->unit == GLAREPP_EV)
         p->threshold = (float) fmin(exp2((double) p->threshold) *
                                     gp_log_average(f, &f->rgb),
                                     (double) FLT_MAX);
-    p->unit = GP_THRESHOLD_LUMINANCE;
+    p->unit = GLAREPP_LUMINANCE;
     if (relative && !st) {
         s->open = opening(p);
         clean_again(s, blocks);
@@ -385,11 +385,11 @@ static gp_status clean_frame(const struct gp_log *log, struct sense *s,
     return st;
 }
 
-gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
+gp_status gp_sense(const struct gp_log *log, const struct glarepp_sense_params *p,
                    struct gp_image *f, struct gp_sources *out)
 {
     gp_status st;
-    struct gp_sensor_params found = *p; // its threshold in luminance
+    struct glarepp_sense_params found = *p; // its threshold in luminance
     const struct gp_sources like = {
         .w = gp_image_w(f), .h = gp_image_h(f),
         .x0 = f->data.x0, .y0 = f->data.y0,

@@ -6,29 +6,7 @@
 #include "core/image.h"
 #include "core/status.h"
 #include "glare/sources.h"
-
-/* Light of a pixel of luminance Y over T.
- *   WHOLE   all of its colour (Ando et al. 2007, section 3.1), times the knee
- *   EXCESS  the part over T: rgb * (Y - T) / Y */
-enum gp_threshold_mode { GP_THRESHOLD_WHOLE, GP_THRESHOLD_EXCESS };
-
-/* Units of the threshold: luminance of the frame's own primaries, >= 0; the
- * percentile of the luminance of the pixels that were read, 0 to 100; EV over
- * its log-average. */
-enum gp_threshold_unit {
-    GP_THRESHOLD_LUMINANCE, GP_THRESHOLD_PERCENT, GP_THRESHOLD_EV,
-};
-
-struct gp_sensor_params {
-    float threshold;  // T, in its unit
-    enum gp_threshold_unit unit;
-    float knee;       // of WHOLE, k in [0,1]: ramp from 0 at T(1-k) to 1 at
-                      // T(1+k)
-    float max_value;  // upper limit of a channel, > 0; 0: none
-    enum gp_threshold_mode mode;
-};
-#define GP_SENSOR_DEFAULTS                                                    \
-    { .threshold = 1.0f, .mode = GP_THRESHOLD_EXCESS }
+#include "glarepp.h"
 
 /* Cleans f->rgb in place: NaN and -Inf become 0, +Inf the largest finite value
  * of the frame or 65504, whichever is more; finite values stay, but where a
@@ -43,7 +21,7 @@ struct gp_sensor_params {
  *   out  written only on GP_OK; free with gp_sources_free()
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sense(const struct gp_log *log,
-                                 const struct gp_sensor_params *p,
+                                 const struct glarepp_sense_params *p,
                                  struct gp_image *f, struct gp_sources *out);
 
 #endif

@@ -18,20 +18,20 @@ static const char *const keys[] = {
     "flux",  "color", "name",      NULL,
 };
 
-/* Places that a light may have; in the order of enum gp_light_place. */
+/* Places that a light may have; in the order of enum glarepp_place. */
 static const struct {
     const char *key;
     int count;
     double most;
 } places[] = {
-    [GP_PLACE_PIXEL] = {"pixel", 2, MOST_PIXEL},
-    [GP_PLACE_WORLD] = {"world", 3, MOST_WORLD},
-    [GP_PLACE_DIRECTION] = {"direction", 3, MOST_WORLD},
+    [GLAREPP_PIXEL] = {"pixel", 2, MOST_PIXEL},
+    [GLAREPP_WORLD] = {"world", 3, MOST_WORLD},
+    [GLAREPP_DIRECTION] = {"direction", 3, MOST_WORLD},
 };
 enum { PLACES = sizeof places / sizeof *places };
 
 static gp_status read_light(const struct gp_json_place *p, json_t *o,
-                            struct gp_light_spec *out)
+                            struct glarepp_light *out)
 {
     static const struct gp_light plain = GP_LIGHT_DEFAULTS;
     double flux[3] = {0.0, 0.0, 0.0}, colour[3] = {1.0, 1.0, 1.0};
@@ -40,7 +40,7 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     int n = 0; // places
     const char *name = NULL;
     gp_status st;
-    *out = (struct gp_light_spec) {
+    *out = (struct glarepp_light) {
         .radius = plain.radius, .degrees = SUN_DEGREES, .depth = NAN,
         .bias = plain.bias,
     };
@@ -50,7 +50,7 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
         const bool found = json_object_get(o, places[i].key);
         GP_TRY(gp_json_numbers(p, o, places[i].key, places[i].count,
                                -most, most, out->at));
-        out->place = found ? (enum gp_light_place) i : out->place;
+        out->place = found ? (enum glarepp_place) i : out->place;
         n += found;
     }
     const double *const at = out->at;
@@ -58,19 +58,19 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
         return gp_fail(p->log, GP_ERR_DATA,
             "%s: %s %d needs one place (found %d); give \"pixel\", "
             "\"world\" or \"direction\"", p->path, p->what, p->index, n);
-    if (out->place == GP_PLACE_DIRECTION && at[0] == 0.0 && at[1] == 0.0 &&
+    if (out->place == GLAREPP_DIRECTION && at[0] == 0.0 && at[1] == 0.0 &&
         at[2] == 0.0)
         return gp_json_fail(p, "\"direction\" is 0, 0, 0; give a vector that "
                             "is not zero");
     // a direction's disc is seen under an angle, unless pixels are given
     GP_TRY(gp_json_number(p, o, "radius", 0.0, MOST_RADIUS, &out->radius));
     GP_TRY(gp_json_number(p, o, "degrees", 0.0, 90.0, &out->degrees));
-    if (angle && (pixels || out->place != GP_PLACE_DIRECTION))
+    if (angle && (pixels || out->place != GLAREPP_DIRECTION))
         return gp_json_fail(p, "\"degrees\" is for a \"direction\" without "
                             "\"radius\" (found it with \"%s\"); give only "
                             "\"radius\"",
                             pixels ? "radius" : places[out->place].key);
-    if (out->place == GP_PLACE_DIRECTION && !pixels)
+    if (out->place == GLAREPP_DIRECTION && !pixels)
         out->radius = -1.0;
     GP_TRY(gp_json_number(p, o, "depth", 0.0, MOST_DEPTH, &out->depth));
     GP_TRY(gp_json_number(p, o, "bias", 0.0, 1.0, &out->bias));
@@ -85,12 +85,12 @@ out:
 }
 
 gp_status gp_lights_read(const struct gp_log *log, const char *path,
-                         struct gp_light_spec **out, int *n)
+                         struct glarepp_light **out, int *n)
 {
     static const char *const whole[] = {"lights", NULL};
     gp_status st;
     json_t *root = NULL, *array;
-    struct gp_light_spec *spec = NULL;
+    struct glarepp_light *spec = NULL;
     struct gp_json_place place = {.log = log, .path = path, .what = "light"};
     GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
     if (json_is_object(root))
@@ -113,15 +113,15 @@ out:
 
 /* Finds the disc that the camera sees of a light in its place: of the world's
  * size where that is known, else of l->radius pixels. */
-static void see(const struct gp_light_spec *spec, const struct gp_camera *c,
+static void see(const struct glarepp_light *spec, const struct gp_camera *c,
                 struct gp_rect display, struct gp_light *l)
 {
-    const bool lamp = spec->place == GP_PLACE_WORLD;
+    const bool lamp = spec->place == GLAREPP_WORLD;
     const bool ball = lamp && spec->radius < 0.0 && spec->ball > 0.0;
-    const bool sized = ball || (spec->place == GP_PLACE_DIRECTION &&
+    const bool sized = ball || (spec->place == GLAREPP_DIRECTION &&
                                 spec->radius < 0.0);
     struct gp_v3 to = {spec->at[0], spec->at[1], spec->at[2]};
-    if (spec->place == GP_PLACE_PIXEL)
+    if (spec->place == GLAREPP_PIXEL)
         to = gp_camera_ray(c, display, l->x, l->y);
     l->sight = (struct gp_light_sight) {.known = true, .lamp = lamp,
                                         .at = {to.x, to.y, to.z}};
@@ -142,19 +142,19 @@ static void see(const struct gp_light_spec *spec, const struct gp_camera *c,
 }
 
 gp_status gp_light_place_in(const struct gp_log *log, const char *path,
-    const struct gp_light_spec *spec, const struct gp_camera *c,
+    const struct glarepp_light *spec, const struct gp_camera *c,
     enum gp_depth_type type, struct gp_rect display, struct gp_light *out)
 {
     struct gp_light l = GP_LIGHT_DEFAULTS;
     struct gp_projected at = {.x = spec->at[0], .y = spec->at[1]};
-    if (spec->place != GP_PLACE_PIXEL) {
+    if (spec->place != GLAREPP_PIXEL) {
         if (!c)
             return gp_fail_at(log, GP_ERR_USAGE, "lights.cameras",
                               "%s: a light's \"%s\" needs a camera (the frame "
                               "has no worldToNDC); give the light's pixel",
                               path, places[spec->place].key);
         at = gp_camera_project(c, display, spec->at,
-                               spec->place == GP_PLACE_WORLD ? 1.0 : 0.0);
+                               spec->place == GLAREPP_WORLD ? 1.0 : 0.0);
     }
     l.x = at.x;
     l.y = at.y;
@@ -164,7 +164,7 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
         l.radius = spec->radius;
     if (c)
         see(spec, c, display, &l);
-    const bool own = isnan(spec->depth) && spec->place == GP_PLACE_WORLD;
+    const bool own = isnan(spec->depth) && spec->place == GLAREPP_WORLD;
     if (own && type == GP_DEPTH_NORMALIZED)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: in normalized depth a light needs a \"depth\" "

@@ -6,6 +6,7 @@
 #include "core/depth.h"
 #include "core/image.h"
 #include "core/status.h"
+#include "glarepp.h"
 
 #include <stdbool.h>
 
@@ -34,9 +35,9 @@ struct gp_light {
     float flux[3];     // scene-linear, summed over pixels, >= 0
     char name[GP_LIGHT_NAME]; // for flare of some lights; "": none
     bool behind;       // the camera: is drawn nowhere, shows nothing but what
-                       // GP_OUTSIDE_SCENE says
+                       // GLAREPP_BY_SCENE says
     double outside;    // share of its part outside the frame that is clear, 0
-                       // to 1; for GP_OUTSIDE_SCENE
+                       // to 1; for GLAREPP_BY_SCENE
     double outside_error; // of it, at most
     double visibility; // 0 hidden to 1 clear; written by exact and map
     double low, high;  // of the true share; written by gp_sun_interval()
@@ -53,29 +54,13 @@ static inline bool gp_light_has_flux(const struct gp_light *l)
                           l->flux[2] > 0.0f);
 }
 
-enum gp_light_place { GP_PLACE_PIXEL, GP_PLACE_WORLD, GP_PLACE_DIRECTION };
-
-/* A light as specified, before a frame gives it a place. */
-struct gp_light_spec {
-    enum gp_light_place place;
-    double at[3];      // pixel x, y; world; direction
-    double radius;     // pixels; under 0: of a direction by `degrees`, of a
-                       // lamp by `ball`, else the default of gp_light
-    double degrees;    // across
-    double depth;      // NAN: by the place
-    double bias;
-    float flux[3];
-    char name[GP_LIGHT_NAME];
-    double ball;       // radius of a lamp in units of the world; 0: none
-};
-
 /* Reads lights from JSON, at most GP_LIGHTS_MAX; man/glarepp.1.in has its form.
  * Unknown keys, wrong types, numbers that are not finite or out of range are
  * errors that name file, light and key. *out is owned by the caller (gp_free()),
  * written on GP_OK only; *n may be 0. Errors: GP_ERR_IO; GP_ERR_DATA, also for
  * files over 1 MiB. */
 GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
-    const char *path, struct gp_light_spec **out, int *n);
+    const char *path, struct glarepp_light **out, int *n);
 
 /* Gives a light its place in a frame. The depth of "world" is distance along
  * the axis for z and inverse, along the ray for ray; for normalized it cannot
@@ -88,7 +73,7 @@ GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
  *   out   written on GP_OK only; visibility 1 until it is measured */
 GP_MUST_CHECK gp_status gp_light_place_in(
     const struct gp_log *log, const char *path,
-    const struct gp_light_spec *spec, const struct gp_camera *c,
+    const struct glarepp_light *spec, const struct gp_camera *c,
     enum gp_depth_type type, struct gp_rect display, struct gp_light *out);
 
 /* The cameras of a sequence, and the sun, from JSON; man/glarepp.1.in has its

@@ -343,30 +343,30 @@ static double area_beyond(const struct gp_light *l, const struct sums *s)
     return beyond > rounding_of(r) ? beyond : 0.0;
 }
 
-void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
+void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
                   struct gp_light *light, int n)
 {
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
         if (l->behind) {
-            l->visibility = outside == GP_OUTSIDE_SCENE ? l->outside : 0.0;
+            l->visibility = outside == GLAREPP_BY_SCENE ? l->outside : 0.0;
             continue;
         }
         struct sums s = sums_of(o, l, false);
         const double beyond = area_beyond(l, &s);
-        if (outside != GP_OUTSIDE_IGNORE) {
+        if (outside != GLAREPP_IGNORE) {
             s.area += beyond;
-            s.low += outside == GP_OUTSIDE_VISIBLE ? beyond
-                     : outside == GP_OUTSIDE_SCENE ? beyond * l->outside : 0.0;
+            s.low += outside == GLAREPP_VISIBLE ? beyond
+                     : outside == GLAREPP_BY_SCENE ? beyond * l->outside : 0.0;
         }
         l->visibility = s.area > 0.0 ? fmin(s.low / s.area, 1.0) : 0.0;
     }
 }
 
-void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
+void gp_sun_interval(const struct gp_occluders *o, enum glarepp_outside outside,
                      struct gp_light *light, int n)
 {
-    const bool scene = outside == GP_OUTSIDE_SCENE;
+    const bool scene = outside == GLAREPP_BY_SCENE;
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
         const double lo = scene ? fmax(l->outside - l->outside_error, 0.0)

@@ -26,7 +26,7 @@ struct gp_occluders {
     enum gp_depth_type type;
     struct gp_rect frame;        // pixels that may be hidden or clear:
                                  // display and data window together, or with
-                                 // GP_OUTSIDE_SCENE the data window as read
+                                 // GLAREPP_BY_SCENE the data window as read
     // by gp_occluders_count(), of all depth samples
     struct gp_depth_range surfaces;
     bool reversed;  // sign or direction turned, see core/depth.h
@@ -51,23 +51,15 @@ struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y);
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y, bool *beyond);
 
-/* Rules for the part of a light outside the frame, where nothing is known. */
-enum gp_sun_outside {
-    GP_OUTSIDE_IGNORE,  // the share is taken over the part inside; 0 where
-                        // there is none
-    GP_OUTSIDE_VISIBLE, // counts as clear
-    GP_OUTSIDE_HIDDEN,  // counts as hidden
-    GP_OUTSIDE_SCENE,   // counts by gp_light.outside; so does all of a light
-                        // behind the camera
-};
-
 /* visibility = sum(area * shown) / sum(area), both over the pixels of
- * o->frame, and the area outside of it as `outside` says; in double. A light
+ * o->frame, and the area outside of it as `outside` says; in double. IGNORE takes
+ * it over the part inside, 0 where there is none; BY_SCENE counts the part
+ * outside by gp_light.outside, and so all of a light behind the camera. A light
  * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
- * 1e9; one behind the camera has 0, but for GP_OUTSIDE_SCENE. All hidden is
+ * 1e9; one behind the camera has 0, but for GLAREPP_BY_SCENE. All hidden is
  * exactly 0, all clear exactly 1. Time grows with the disc's area inside the
  * planes' windows; the rest of the frame is clear, and costs a closed form. */
-void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
+void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
                   struct gp_light *light, int n);
 
 /* Writes low and high, between which the true share of each light is: of all
@@ -76,10 +68,10 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
  * one of its eight neighbours shows another share; with both, there too if it
  * or that neighbour has a surface that is not nearer than the light.
  * Outside of the frame, and behind the camera, a light may be hidden or clear;
- * with GP_OUTSIDE_SCENE it is gp_light.outside within its error.
+ * with GLAREPP_BY_SCENE it is gp_light.outside within its error.
  * low <= visibility <= high. Writes in_frame.
  * Details thinner than a pixel may be missed. */
-void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
+void gp_sun_interval(const struct gp_occluders *o, enum glarepp_outside outside,
                      struct gp_light *light, int n);
 
 /* Area of the disc of radius r around (cx, cy) within pixel (x, y), in closed

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-static bool has_flux(const struct gp_light_spec *s)
+static bool has_flux(const struct glarepp_light *s)
 {
     return s->flux[0] > 0.0f || s->flux[1] > 0.0f || s->flux[2] > 0.0f;
 }
@@ -38,24 +38,24 @@ static gp_status read_image(const struct gp_log *log, gp_sun_picture picture,
     return GP_OK;
 }
 
-gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
+gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_params *p,
     enum gp_gl_api api, gp_sun_picture picture, void *user, struct gp_suns *out)
 {
     gp_status st = GP_OK;
     out->p = p;
     out->api = api;
-    if (p->lights)
-        GP_TRY(gp_lights_read(log, p->lights, &out->spec, &out->specs));
-    if (p->camera)
-        GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
+    if (p->file)
+        GP_TRY(gp_lights_read(log, p->file, &out->read, &out->reads));
+    if (p->cameras)
+        GP_TRY(gp_camera_read(log, p->cameras, &out->cameras));
     if (p->flare)
         GP_TRY(gp_flare_read(log, p->flare, &out->flare));
-    bool lit = p->lights || p->more_flux || (p->camera && has_flux(p->sun));
-    for (int i = 0; i < p->specs; i++)
-        lit |= has_flux(&p->spec[i]);
+    bool lit = p->file || p->faded || (p->cameras && has_flux(&p->sun));
+    for (int i = 0; i < p->lights; i++)
+        lit |= has_flux(&p->light[i]);
     if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit)
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE,
-                          p->specs || p->camera ? "lights.sun" : "lights.flare",
+                          p->lights || p->cameras ? "lights.sun" : "lights.flare",
                           "%s: has elements of lights, and there is no light "
                           "with flux; write \"source\": \"bright\" in it",
                           p->flare));
@@ -76,7 +76,7 @@ static gp_status find_entry(const struct gp_log *log,
                             const struct gp_image *f,
                             const struct gp_camera_frame **out)
 {
-    const char *const path = suns->p->camera;
+    const char *const path = suns->p->cameras;
     *out = NULL;
     if (!path)
         return GP_OK;
@@ -100,7 +100,7 @@ gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
                          bool *found)
 {
     const struct gp_camera_frame *entry;
-    const enum gp_ndc asked = suns->p->ndc;
+    const enum gp_ndc asked = (enum gp_ndc) suns->p->ndc;
     gp_status st = find_entry(log, suns, about, f, &entry);
     *found = entry || about->has_ndc;
     if (entry)
@@ -127,15 +127,15 @@ double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
 }
 
 /* The sun that the camera's file names, of a frame's entry. */
-static struct gp_light_spec sun_of(const struct gp_suns *suns,
+static struct glarepp_light sun_of(const struct gp_suns *suns,
     const struct gp_camera_frame *entry, const struct gp_image *f)
 {
-    struct gp_light_spec spec = *suns->p->sun;
+    struct glarepp_light spec = suns->p->sun;
     memcpy(spec.at, entry->sun_dir, sizeof spec.at);
-    spec.place = GP_PLACE_DIRECTION;
+    spec.place = GLAREPP_DIRECTION;
     spec.radius = -1.0;
     // pixels of the pictures that the file was written for
-    if (entry->sun_radius > 0.0 && suns->p->size == 0.533f)
+    if (entry->sun_radius > 0.0 && suns->p->degrees == 0.533f)
         spec.radius = entry->sun_radius *
                       (suns->cameras.width > 0.0
                            ? gp_rect_w(f->display) / suns->cameras.width : 1.0);
@@ -143,28 +143,28 @@ static struct gp_light_spec sun_of(const struct gp_suns *suns,
 }
 
 /* The lights of the run, then of its file, then of the frame. */
-static const struct gp_light_spec *spec_at(const struct gp_suns *suns, int i)
+static const struct glarepp_light *spec_at(const struct gp_suns *suns, int i)
 {
-    const int own = suns->p->specs, read = own + suns->specs;
-    return i < own    ? &suns->p->spec[i]
-           : i < read ? &suns->spec[i - own] : &suns->more.spec[i - read];
+    const int own = suns->p->lights, read = own + suns->reads;
+    return i < own    ? &suns->p->light[i]
+           : i < read ? &suns->read[i - own] : &suns->more.light[i - read];
 }
 
 gp_status gp_suns_find(const struct gp_log *log,
                        const struct gp_sun_about *about,
                        const struct gp_image *f, struct gp_suns *suns)
 {
-    const struct gp_sun_params *const p = suns->p;
+    const struct glarepp_light_params *const p = suns->p;
     const struct gp_suns_more *const more = &suns->more;
-    const int read = p->specs + suns->specs, all = read + more->specs;
+    const int read = p->lights + suns->reads, all = read + more->lights;
     const struct gp_camera_frame *entry;
     struct gp_camera camera;
-    bool found = false, needed = p->camera || more->specs > 0 ||
-                                p->map.outside == GP_OUTSIDE_SCENE;
+    bool found = false, needed = p->cameras || more->lights > 0 ||
+                                p->outside == GLAREPP_BY_SCENE;
     gp_status st;
     // a camera that no light needs is not looked at, and may be wrong
     for (int i = 0; i < read; i++)
-        needed = needed || spec_at(suns, i)->place != GP_PLACE_PIXEL;
+        needed = needed || spec_at(suns, i)->place != GLAREPP_PIXEL;
     GP_TRY(find_entry(log, suns, about, f, &entry));
     if (needed)
         GP_TRY(gp_suns_camera(log, suns, about, f, &camera, &found));
@@ -173,23 +173,23 @@ gp_status gp_suns_find(const struct gp_log *log,
         camera = *more->camera;
     }
     // where the command line names none
-    const bool sun = entry && entry->has_sun && !p->specs;
+    const bool sun = entry && entry->has_sun && !p->lights;
     if (all + sun > GP_LIGHTS_MAX)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: too many lights with the sun (%d); the limit is %d",
-                       p->lights ? p->lights : f->path, all + sun,
+                       p->file ? p->file : f->path, all + sun,
                        GP_LIGHTS_MAX));
     if (entry && p->needed && !(all + sun))
         GP_TRY(gp_fail_at(log, GP_ERR_DATA, "lights.needed",
-                          "%s: frame %lld has no sun_dir_world", p->camera,
+                          "%s: frame %lld has no sun_dir_world", p->cameras,
                           entry->frame));
     GP_TRY(gp_alloc(log, "lights", (size_t) (all + sun),
                     sizeof *suns->light, &suns->light));
     for (int i = -(int) sun; i < all; i++) {
-        const struct gp_light_spec spec = i < 0 ? sun_of(suns, entry, f)
+        const struct glarepp_light spec = i < 0 ? sun_of(suns, entry, f)
                                                 : *spec_at(suns, i);
         GP_TRY(gp_light_place_in(log, f->path, &spec, found ? &camera : NULL,
-                                 p->depth_type, f->display,
+                                 (enum gp_depth_type) p->depth, f->display,
                                  &suns->light[suns->n]));
         suns->n++;
     }
@@ -221,7 +221,7 @@ static void warn_of_window(const struct gp_log *log, const struct gp_plane *p,
 static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
                           struct gp_suns *suns)
 {
-    const bool scene = suns->p->map.outside == GP_OUTSIDE_SCENE;
+    const bool scene = suns->p->outside == GLAREPP_BY_SCENE;
     const struct gp_rect r = suns->occluders.frame;
     bool any = !scene && suns->n;
     for (int i = 0; scene && i < suns->n; i++) {
@@ -247,9 +247,9 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
     warn_of_window(log, mask, f, suns);
     suns->occluders = (struct gp_occluders) {
         .depth = depth, .mask = mask,
-        .type = suns->p->depth_type,
+        .type = (enum gp_depth_type) suns->p->depth,
         // a scene knows what is outside the file's pixels, and in the display
-        .frame = suns->p->map.outside == GP_OUTSIDE_SCENE
+        .frame = suns->p->outside == GLAREPP_BY_SCENE
                      ? gp_image_read(f)
                      : gp_rect_join(f->data, f->display),
     };
@@ -261,19 +261,19 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
 
 gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
 {
-    const struct gp_sun_params *const p = suns->p;
+    const struct glarepp_light_params *const p = suns->p;
     if (!suns->n)
         return GP_OK;
-    if (p->method == GP_SUN_EXACT) {
-        gp_sun_exact(&suns->occluders, p->map.outside, suns->light, suns->n);
+    if (p->method == GLAREPP_EXACT) {
+        gp_sun_exact(&suns->occluders, p->outside, suns->light, suns->n);
         return GP_OK;
     }
     gp_status st = suns->gl ? gp_gl_use(log, suns->gl)
                             : gp_gl_open(log, suns->api, &suns->gl);
     if (st)
         return st;
-    return (p->method == GP_SUN_MASK ? gp_sun_mask : gp_sun_readback)(
-        log, suns->gl, &suns->occluders, &p->map, suns->light, suns->n,
+    return (p->method == GLAREPP_MASK ? gp_sun_mask : gp_sun_readback)(
+        log, suns->gl, &suns->occluders, p, suns->light, suns->n,
         &suns->map);
 }
 
@@ -544,6 +544,6 @@ void gp_suns_close(struct gp_suns *suns)
         gp_gl_close(&suns->gl);
     gp_flare_free(&suns->flare);
     gp_camera_file_free(&suns->cameras);
-    gp_free(suns->spec);
+    gp_free(suns->read);
     *suns = (struct gp_suns) {0};
 }

@@ -18,32 +18,6 @@
 
 #include <stdbool.h>
 
-enum gp_sun_method {
-    GP_SUN_EXACT,    // gp_sun_exact()
-    GP_SUN_MASK,     // gp_sun_mask()
-    GP_SUN_READBACK, // gp_sun_readback()
-};
-
-/* Suns and lamps, their occluders and their light. Files are NULL when not
- * given. */
-struct gp_sun_params {
-    enum gp_sun_method method;
-    struct gp_map_params map;
-    const struct gp_light_spec *spec; // `specs` lights, and all but the place of
-    int specs;                 // the sun that the camera's file names
-    const struct gp_light_spec *sun;
-    float size;                // degrees across, of suns that do not say; where
-                               // it is not the default of 0.533, not even
-                               // pixels of the camera's file count
-    bool in_frame;             // the frame's pixels hold the lights already
-    bool more_flux;            // gp_suns.more has lights with flux
-    bool needed;               // a frame without any light is an error
-    float adapt;               // share that a narrower pupil removes, 0 to 1
-    enum gp_ndc ndc;
-    enum gp_depth_type depth_type;
-    const char *camera, *lights, *flare;
-};
-
 /* The camera of a frame, as its file has it. */
 struct gp_sun_about {
     bool numbered;
@@ -56,9 +30,9 @@ struct gp_sun_about {
 /* Lights and a camera of a frame that the caller knows, of a scene. Borrowed
  * from gp_suns_find() to the end of the frame. */
 struct gp_suns_more {
-    const struct gp_light_spec *spec; // join those of the run
-    int specs;
-    const struct gp_camera *camera;   // of frames that have none; NULL: none
+    const struct glarepp_light *light; // join those of the run
+    int lights;
+    const struct gp_camera *camera;    // of frames that have none; NULL: none
 };
 
 /* Reads the image of a flare element; `user` as given beside it. */
@@ -67,10 +41,10 @@ typedef gp_status (*gp_sun_picture)(void *user, const struct gp_log *log,
 
 struct gp_suns {
     // of the run
-    const struct gp_sun_params *p; // borrowed
+    const struct glarepp_light_params *p; // borrowed
     enum gp_gl_api api;
-    struct gp_light_spec *spec; // owned; of p->lights
-    int specs;
+    struct glarepp_light *read; // owned; of p->file
+    int reads;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
     double more_fov;            // degrees, of the scene's camera; 0: none
@@ -91,7 +65,7 @@ struct gp_suns {
  * Errors: those of `picture`; GP_ERR_USAGE elements of lights, and no light
  * with flux. */
 GP_MUST_CHECK gp_status gp_suns_begin(
-    const struct gp_log *log, const struct gp_sun_params *p, enum gp_gl_api api,
+    const struct gp_log *log, const struct glarepp_light_params *p, enum gp_gl_api api,
     gp_sun_picture picture, void *user, struct gp_suns *out);
 
 /* The camera of a frame: that of --camera, or of the frame's own attributes;

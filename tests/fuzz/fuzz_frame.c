@@ -55,7 +55,7 @@ static void write_again(const struct gp_hdr_colour *set, int n)
 static void sense(struct gp_image *f)
 {
     struct gp_sources sources;
-    const struct gp_sensor_params s = GP_SENSOR_DEFAULTS;
+    const struct glarepp_sense_params s = GLAREPP_SENSE_PARAMS;
     if (!fuzz_line(gp_sense(&fuzz_log, &s, f, &sources)))
         gp_sources_free(&sources);
 }

@@ -18,7 +18,7 @@ static void use_lights(const char *path)
     const struct gp_camera camera = {
         .to_ndc = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0},
     };
-    struct gp_light_spec *spec = NULL;
+    struct glarepp_light *spec = NULL;
     int n = 0;
     if (fuzz_line(gp_lights_read(&fuzz_log, path, &spec, &n)))
         return;

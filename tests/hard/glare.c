@@ -374,7 +374,7 @@ static struct gp_image motion_frame(enum motion_shape shape, int step)
 }
 
 /* Whatever shines is a source: no threshold adds ripples of its own. */
-static const struct gp_sensor_params motion_sensors = {.threshold = 0.0f};
+static const struct glarepp_sense_params motion_sensors = {.threshold = 0.0f};
 
 static struct gp_kernel motion_kernel(void)
 {

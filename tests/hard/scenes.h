@@ -20,10 +20,10 @@ static inline double hard_share(const struct hard_case *h, bool plain)
         .depth = &s.plane[0], .type = s.type, .frame = hard_frame_of(h, s.data),
     };
     gp_occluders_count(&o);
-    gp_sun_exact(&o, GP_OUTSIDE_IGNORE, &l, 1);
+    gp_sun_exact(&o, GLAREPP_IGNORE, &l, 1);
     if (plain)
         l.visibility = hard_plain_share(&s, WITH_DEPTH, o.frame,
-                                        GP_OUTSIDE_IGNORE, &l);
+                                        GLAREPP_IGNORE, &l);
     hard_sky_free(&s);
     return l.visibility;
 }
@@ -80,10 +80,10 @@ static inline struct gp_kernel hard_kernel(const struct hard_case *h,
 static inline struct scene hard_light(const struct hard_case *h, bool plain)
 {
     const struct gp_kernel none = {0};
-    struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    struct glarepp_sense_params p = GLAREPP_SENSE_PARAMS;
     p.threshold = h->all_light ? 0.0f : 1.0f;
     p.knee = h->knee;
-    p.mode = GP_THRESHOLD_WHOLE; // as the frames were made for
+    p.whole = true; // as the frames were made for
     if (h->max_value > 0.0f)
         p.max_value = h->max_value;
     struct scene s = scene_sense(hard_frame(h), none, &p);

@@ -154,9 +154,9 @@ static inline double hard_plain_share(const struct hard_sky *s, int planes,
         }
     }
     const double rest = fmax(M_PI * r * r - area, 0.0);
-    if (outside != (int) GP_OUTSIDE_IGNORE)
+    if (outside != (int) GLAREPP_IGNORE)
         area += rest;
-    if (outside == (int) GP_OUTSIDE_VISIBLE)
+    if (outside == (int) GLAREPP_VISIBLE)
         shown += rest;
     return area > 0.0 ? shown / area : 0.0;
 }

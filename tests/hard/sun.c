@@ -12,7 +12,7 @@ enum { MODES = 3, PATTERNS = 2 };
 static bool covers(const struct gp_light *l, int pattern, double x, double y)
 {
     const double dx = x + 0.5 - l->x, dy = y + 0.5 - l->y, r = l->radius;
-    return pattern == (int) GP_PATTERN_DISC ? dx * dx + dy * dy <= r * r
+    return pattern == 0 ? dx * dx + dy * dy <= r * r
                                             : fabs(dx) <= r && fabs(dy) <= r;
 }
 
@@ -34,11 +34,11 @@ static double plain_count(const struct hard_sky *s, int planes,
                 any = true;
                 const bool in = x >= frame.x0 && x < frame.x1 &&
                                 y >= frame.y0 && y < frame.y1;
-                if (!in && outside == (int) GP_OUTSIDE_IGNORE)
+                if (!in && outside == (int) GLAREPP_IGNORE)
                     continue;
                 weight += 1.0;
                 shown += in ? hard_plain_show(s, planes, (int) x, (int) y)
-                            : outside == (int) GP_OUTSIDE_VISIBLE;
+                            : outside == (int) GLAREPP_VISIBLE;
             }
         }
         if (any)
@@ -68,7 +68,7 @@ static void must(gp_status st, const char *what)
 }
 
 static void draw_light(const struct gp_occluders *o,
-                       const struct gp_map_params *p, int way,
+                       const struct glarepp_light_params *p, int way,
                        struct gp_light *l, const char *what)
 {
     l->visibility = -1.0; // must be written
@@ -78,12 +78,12 @@ static void draw_light(const struct gp_occluders *o,
 
 /* All GL methods of one light, into the largest errors. */
 static void try_gl(const struct hard_sky *s, int planes,
-                   const struct gp_occluders *o, struct gp_map_params p,
+                   const struct gp_occluders *o, struct glarepp_light_params p,
                    struct gp_light *l, double share, const char *what,
                    double error[WAYS])
 {
     for (int pattern = 0; pattern < PATTERNS; pattern++) {
-        p.pattern = (enum gp_sun_pattern) pattern;
+        p.square = pattern;
         for (int way = READBACK; way <= MASK_64; way++) {
             p.side = way == MASK_64 ? 64 : 16;
             draw_light(o, &p, way, l, what);
@@ -93,7 +93,7 @@ static void try_gl(const struct hard_sky *s, int planes,
                                   pattern, l)
                     : gp_sun_map_reference(o, &p, l, NULL);
             error[way] = hard_worse(error[way], fabs(l->visibility - want));
-            if (way == MASK_64 && p.pattern == GP_PATTERN_DISC)
+            if (way == MASK_64 && !p.square)
                 error[MASK_SHARE] = hard_worse(error[MASK_SHARE],
                                                fabs(l->visibility - share));
         }
@@ -113,8 +113,8 @@ static void run_case(const struct hard_case *h, double error[WAYS])
         };
         gp_occluders_count(&o);
         for (int outside = 0; outside < MODES; outside++) {
-            const struct gp_map_params p = {
-                .outside = (enum gp_sun_outside) outside,
+            const struct glarepp_light_params p = {
+                .outside = (enum glarepp_outside) outside,
             };
             const double share =
                 hard_plain_share(&s, planes, o.frame, outside, &l);
@@ -139,7 +139,7 @@ static double exact_share(const struct hard_case *h, const struct hard_sky *s,
     };
     gp_set_threads(threads);
     gp_occluders_count(&o);
-    gp_sun_exact(&o, GP_OUTSIDE_HIDDEN, &l, 1);
+    gp_sun_exact(&o, GLAREPP_HIDDEN, &l, 1);
     gp_set_threads(0);
     return l.visibility;
 }

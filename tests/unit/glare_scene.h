@@ -54,9 +54,9 @@ enum shape {
 /* Sensors that take the whole colour of a pixel over t. */
 #define WHOLE(t, k, most)                                                     \
     { .threshold = (t), .knee = (k), .max_value = (most),                     \
-      .mode = GP_THRESHOLD_WHOLE }
-static const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
-static const struct gp_sensor_params open_all = WHOLE(0.0f, 0.0f, 1e30f);
+      .whole = true }
+static const struct glarepp_sense_params usual = GLAREPP_SENSE_PARAMS;
+static const struct glarepp_sense_params open_all = WHOLE(0.0f, 0.0f, 1e30f);
 
 struct scene {
     struct gp_image f;
@@ -334,7 +334,7 @@ static inline void scene_limit(struct gp_sources *src)
 
 /* Takes the frame and the kernel; senses. No exact layer. */
 static inline struct scene scene_sense(struct gp_image f, struct gp_kernel k,
-                                       const struct gp_sensor_params *p)
+                                       const struct glarepp_sense_params *p)
 {
     struct scene s = {.f = f, .k = k};
     if (gp_sense(NULL, p, &s.f, &s.src))
@@ -351,7 +351,7 @@ static inline void scene_find_exact(struct scene *s)
 
 /* Both. */
 static inline struct scene scene_make(struct gp_image f, struct gp_kernel k,
-                                      const struct gp_sensor_params *p)
+                                      const struct glarepp_sense_params *p)
 {
     struct scene s = scene_sense(f, k, p);
     scene_find_exact(&s);

@@ -71,10 +71,10 @@ static void pixel_span(double at, double radius, int size, int *from, int *to)
 }
 
 static struct spot spot_of(const struct gp_occluders *o,
-                           const struct gp_map_params *p,
+                           const struct glarepp_light_params *p,
                            const struct gp_light *l)
 {
-    const bool scene = p->outside == GP_OUTSIDE_SCENE;
+    const bool scene = p->outside == GLAREPP_BY_SCENE;
     const bool nowhere = !isfinite(l->x) || !isfinite(l->y) ||
                          !(l->radius >= 0.0);
     const double nearer = l->depth * (1.0 - l->bias);
@@ -83,9 +83,9 @@ static struct spot spot_of(const struct gp_occluders *o,
         s.limit = EMPTY;
     else if (nearer >= -3e38)
         s.limit = (float) fmin(nearer, 3e38);
-    if (l->behind ? scene : !nowhere && p->outside != GP_OUTSIDE_IGNORE) {
+    if (l->behind ? scene : !nowhere && p->outside != GLAREPP_IGNORE) {
         s.outside[0] = scene ? (float) l->outside
-                             : p->outside == GP_OUTSIDE_VISIBLE;
+                             : p->outside == GLAREPP_VISIBLE;
         s.outside[1] = 1.0f;
     }
     if (l->behind || nowhere)
@@ -102,13 +102,13 @@ static struct spot spot_of(const struct gp_occluders *o,
 /* Maps (u, v) in [0, 1)^2 to the square [-1, 1]^2, or to the unit disc by
  * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios.
  * Texel (i, j) of an n x n sun map is the cell [i, i+1)/n x [j, j+1)/n. */
-static void place_sample(enum gp_sun_pattern pattern, double u, double v,
+static void place_sample(bool square, double u, double v,
                          double *x, double *y)
 {
     const double a = 2.0 * u - 1.0, b = 2.0 * v - 1.0;
     *x = a;
     *y = b;
-    if (pattern == GP_PATTERN_SQUARE || (a == 0.0 && b == 0.0))
+    if (square || (a == 0.0 && b == 0.0))
         return;
     // the wedge of the larger coordinate, which is the radius; the other one
     // turns by up to an eighth of a circle from its axis
@@ -124,7 +124,7 @@ static void place_sample(enum gp_sun_pattern pattern, double u, double v,
 }
 
 double gp_sun_map_reference(const struct gp_occluders *o,
-    const struct gp_map_params *p, const struct gp_light *light, float *map)
+    const struct glarepp_light_params *p, const struct gp_light *light, float *map)
 {
     const struct spot l = spot_of(o, p, light);
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
@@ -136,7 +136,7 @@ double gp_sun_map_reference(const struct gp_occluders *o,
         double g = l.k ? 0.0 : (double) l.outside[1];
         for (int n = 0; n < count; n++) {
             double x, y;
-            place_sample(p->pattern, (i * l.k + n % l.k + 0.5) / side,
+            place_sample(p->square, (i * l.k + n % l.k + 0.5) / side,
                          (j * l.k + n / l.k + 0.5) / side, &x, &y);
             const int px = pixel_at(l.x + l.radius * x, w);
             const int py = pixel_at(l.y + l.radius * y, h);
@@ -157,7 +157,7 @@ double gp_sun_map_reference(const struct gp_occluders *o,
 }
 
 gp_status gp_sun_map_picture(const struct gp_log *log,
-    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_occluders *o, const struct glarepp_light_params *p,
     const struct gp_light *light, int n, int *w, int *h, struct gp_planes *out)
 {
     const int side = p ? p->side : 1, texels = side * side;
@@ -200,8 +200,8 @@ void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state)
     gp_texture_free(gl, &s->lights);
     gp_target_free(gl, &s->atlas);
     gp_target_free(gl, &s->region);
-    gp_target_free(gl, &s->sums[GP_SUM_FLOAT]);
-    gp_target_free(gl, &s->sums[GP_SUM_BYTE]);
+    gp_target_free(gl, &s->sums[false]);
+    gp_target_free(gl, &s->sums[true]);
     GP_FREE(*state);
 }
 
@@ -338,7 +338,7 @@ out:
 /* Step 3: the sun maps of n lights. */
 static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
                            const struct gp_occluders *o,
-                           const struct gp_map_params *p, struct gp_rect cells,
+                           const struct glarepp_light_params *p, struct gp_rect cells,
                            int n, struct gp_sun_map *s)
 {
     enum { MOST = 1 << 24 }; // texels of the atlas, 256 MiB
@@ -361,7 +361,7 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
         {.name = "frame", .v = {gp_rect_w(o->frame), gp_rect_h(o->frame)}},
         {.name = "size", .v = {s->atlas.w, s->atlas.h}},
         {.name = "map", .v = {p->side, cells.x1}},
-        {.name = "form", .v = {p->side, p->pattern == GP_PATTERN_DISC}},
+        {.name = "form", .v = {p->side, !p->square}},
         {0},
     };
     const struct gp_draw maps = {
@@ -373,15 +373,14 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
 
 /* Step 4: the texels of each map, added up in a pixel. */
 static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
-                           const struct gp_map_params *p, struct gp_rect cells,
+                           const struct glarepp_light_params *p, struct gp_rect cells,
                            struct gp_sun_map *s)
 {
-    const bool byte = p->sum == GP_SUM_BYTE;
-    const enum program which = byte ? SUMS_BYTE : SUMS;
+    const enum program which = p->bytes ? SUMS_BYTE : SUMS;
     const int count = p->side * p->side;
-    struct gp_target *const to = &s->sums[p->sum];
+    struct gp_target *const to = &s->sums[p->bytes];
     gp_status st = fit_target(log, gl, "intensity map",
-                              byte ? GP_TEXEL_BYTE : GP_TEXEL_FLOAT, cells.x1,
+                              p->bytes ? GP_TEXEL_BYTE : GP_TEXEL_FLOAT, cells.x1,
                               cells.y1, to);
     if (!st)
         st = use_program(log, gl, s, which);
@@ -393,7 +392,7 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
         {0}, {0},
     };
     // the paper's 1 / 255 is for 256 texels; others are scaled to them
-    if (byte)
+    if (p->bytes)
         uniform[2] = (struct gp_uniform) {
             .name = "scale", .floats = 1,
             .f = {256.0f / (255.0f * (float) count)},
@@ -407,7 +406,7 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
 }
 
 gp_status gp_sun_mask(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_occluders *o, const struct glarepp_light_params *p,
     struct gp_light *light, int n, struct gp_sun_map **state)
 {
     const int columns = (int) ceil(sqrt((double) n)); // maps in the atlas
@@ -421,7 +420,7 @@ gp_status gp_sun_mask(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(draw_maps(log, gl, o, p, cells, n, *state));
     GP_TRY(draw_sums(log, gl, p, cells, *state));
     GP_TRY(gp_gl_check(log, gl, "sun map"));
-    gp_target_read(gl, &(*state)->sums[p->sum], 0, cells, sum[0]);
+    gp_target_read(gl, &(*state)->sums[p->bytes], 0, cells, sum[0]);
     GP_TRY(gp_gl_check(log, gl, "sun map"));
     for (int i = 0; i < n; i++) { // with the rests of sums in float
         const double shown = (double) sum[i][0] + (double) sum[i][2];
@@ -454,11 +453,11 @@ static double centres_in(const struct spot *l, bool disc)
  * it, or in the pixel under its centre when it holds none.
  *   rgba  the region of l->box; NULL when none of it is in the frame */
 static double count_region(const struct spot *l, const struct gp_occluders *o,
-                           const struct gp_map_params *p, const float *rgba)
+                           const struct glarepp_light_params *p, const float *rgba)
 {
     const struct gp_rect box = l->box;
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
-    const bool disc = p->pattern == GP_PATTERN_DISC;
+    const bool disc = !p->square;
     const double r = l->radius, all = centres_in(l, disc);
     double shown = 0.0, weight = 0.0;
     double under[2] = {(double) l->outside[0], (double) l->outside[1]};
@@ -486,7 +485,7 @@ static double count_region(const struct spot *l, const struct gp_occluders *o,
 }
 
 gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_occluders *o, const struct glarepp_light_params *p,
     struct gp_light *light, int n, struct gp_sun_map **state)
 {
     struct spot spot[GP_LIGHTS_MAX];

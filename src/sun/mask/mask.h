@@ -8,7 +8,7 @@
  *   r  the share shown, times g: grey where its cell is larger than a pixel,
  *      as the mean of k x k samples of it, k = clamp(ceil(2 R / side), 1, 16)
  *   g  the share of it that counts: 0 outside the frame with
- *      GP_OUTSIDE_IGNORE, else 1
+ *      GLAREPP_IGNORE, else 1
  *
  * Intensity map (step 4): a pixel for each light, in rows as the atlas has
  * maps. The map's texels are drawn into it and add up: visibility = r / g, 0
@@ -16,7 +16,11 @@
  * pipeline to stall, and engines draw a light of known share faster than
  * shaders that fetch it.
  *
- * Only the pixels under lights are uploaded.
+ * Only the pixels under lights are uploaded. Of the parameters `outside`, `side`,
+ * `square` and `bytes` count: with `bytes` the intensity map adds up in 8 bits,
+ * 1 / 255 a texel, saturating, as in the paper; else in float. Of the paper's two
+ * ways out of 8 bits, several passes and the mean of four texels by the
+ * texture's filter, neither is needed then: floats add up exactly.
  */
 #ifndef GP_SUN_MASK_MASK_H
 #define GP_SUN_MASK_MASK_H
@@ -25,29 +29,12 @@
 #include "gl/gl.h"
 #include "sun/occluder.h"
 
-enum gp_sun_pattern { GP_PATTERN_DISC, GP_PATTERN_SQUARE };
-
-/* Forms of summing the intensity map. Of the paper's two ways out of 8 bits,
- * several passes and the mean of four texels by the texture's filter, neither
- * is needed: floats add up exactly. */
-enum gp_sun_sum {
-    GP_SUM_FLOAT,    // every texel, in float
-    GP_SUM_BYTE,     // in 8 bits, as in the paper: times 1 / 255, saturating
-};
-
-struct gp_map_params {
-    enum gp_sun_outside outside;
-    enum gp_sun_pattern pattern;
-    enum gp_sun_sum sum;
-    int side; // texels of a sun map's side, 2 to 256, even
-};
-
 /* Programs, textures and targets on a context, kept from frame to frame. */
 struct gp_sun_map {
     struct gp_program program[4];       // made when first used
     struct gp_texture pixels, lights;   // see sun_map.frag
     struct gp_target atlas, region;     // sun maps; the region read back
-    struct gp_target sums[2];           // intensity map, by enum gp_sun_sum
+    struct gp_target sums[2];           // intensity map, by p->bytes
 };
 
 /* Sets light[].visibility by sun maps. *state is made at the first call.
@@ -55,7 +42,7 @@ struct gp_sun_map {
  * Errors: GP_ERR_GL sizes over the context's, GL's own; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_sun_mask(
     const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_occluders *o, const struct glarepp_light_params *p,
     struct gp_light *light, int n, struct gp_sun_map **state);
 
 /* The same by reading back: the region under each light is drawn at the frame's
@@ -63,7 +50,7 @@ GP_MUST_CHECK gp_status gp_sun_mask(
  * whose centre is in the disc; the nearest one when there is none. */
 GP_MUST_CHECK gp_status gp_sun_readback(
     const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_occluders *o, const struct glarepp_light_params *p,
     struct gp_light *light, int n, struct gp_sun_map **state);
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
 
@@ -72,7 +59,7 @@ void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
  * NULL, the intensity map, n x 1. *out has planes of *w x *h, values 0 to 1. */
 GP_MUST_CHECK gp_status gp_sun_map_picture(
     const struct gp_log *log, const struct gp_occluders *o,
-    const struct gp_map_params *p, const struct gp_light *light, int n,
+    const struct glarepp_light_params *p, const struct gp_light *light, int n,
     int *w, int *h, struct gp_planes *out);
 
 #endif

@@ -8,6 +8,6 @@
  * summed in double whatever p->sum. `map` gets r and g of p->side squared
  * texels, or is NULL. */
 double gp_sun_map_reference(const struct gp_occluders *o,
-    const struct gp_map_params *p, const struct gp_light *light, float *map);
+    const struct glarepp_light_params *p, const struct gp_light *light, float *map);
 
 #endif

@@ -56,7 +56,7 @@ static void light_is_as_it_is_named(void **state)
         {GP_PAPER_SKY, 0.5, 0.7, 2.0, 20.0},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct gp_sensor_params p = {
+        const struct glarepp_sense_params p = {
             .threshold = 1.0f, .max_value = 1e9f,
         };
         struct gp_frame f = paper_scene(rows[i].kind);

@@ -19,7 +19,7 @@ static struct gp_image noise_frame(int w, int h, int every, float bright)
  * noise. */
 static struct scene noise_scene(struct gp_image f)
 {
-    const struct gp_sensor_params p = WHOLE(1, 0, 1e10f);
+    const struct glarepp_sense_params p = WHOLE(1, 0, 1e10f);
     struct scene s = scene_sense(f, scene_kernel(1, 1, MID, 0, BOX), &p);
     const size_t n = gp_image_pixels(&f);
     uint32_t seed = 2;
@@ -40,15 +40,15 @@ static double total(const struct gp_image *f, const struct gp_planes *p, int c)
 static void mixes_are_their_formulas(void **state)
 {
     static const struct {
-        enum gp_mix mix;
+        enum glarepp_mix mix;
         float gain;
         int w, h, every;
     } rows[] = {
-        {GP_MIX_ADD, 1.0f, 17, 9, 5}, {GP_MIX_ADD, 0.0f, 17, 9, 5},
-        {GP_MIX_ADD, 3.5f, 1, 1, 1}, {GP_MIX_SCATTER, 1.0f, 17, 9, 5},
-        {GP_MIX_SCATTER, 0.25f, 16, 16, 1}, {GP_MIX_SCATTER, 0.0f, 17, 9, 5},
-        {GP_MIX_SCATTER, 1.0f, 1, 31, 3}, {GP_MIX_SCATTER, 0.5f, 31, 1, 3},
-        {GP_MIX_SCATTER, 1.0f, 7, 7, 1000}, {GP_MIX_SCATTER, 2.5f, 17, 9, 5},
+        {GLAREPP_ADD, 1.0f, 17, 9, 5}, {GLAREPP_ADD, 0.0f, 17, 9, 5},
+        {GLAREPP_ADD, 3.5f, 1, 1, 1}, {GLAREPP_SCATTER, 1.0f, 17, 9, 5},
+        {GLAREPP_SCATTER, 0.25f, 16, 16, 1}, {GLAREPP_SCATTER, 0.0f, 17, 9, 5},
+        {GLAREPP_SCATTER, 1.0f, 1, 31, 3}, {GLAREPP_SCATTER, 0.5f, 31, 1, 3},
+        {GLAREPP_SCATTER, 1.0f, 7, 7, 1000}, {GLAREPP_SCATTER, 2.5f, 17, 9, 5},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct gp_compose_params p = {
@@ -62,7 +62,7 @@ static void mixes_are_their_formulas(void **state)
             for (int c = 0; c < 3; c++) {
                 double in = (double) s.f.rgb.c[c][k];
                 double want = in + (double) p.gain * (double) s.f.layer.c[c][k];
-                if (source && p.mix == GP_MIX_SCATTER)
+                if (source && p.mix == GLAREPP_SCATTER)
                     want -= fmin((double) p.gain, 1.0) * in;
                 assert_true(fabs((double) s.f.lit.c[c][k] - want) <=
                             1e-6 * (fabs(in) + 1.0));
@@ -81,7 +81,7 @@ static void scatter_conserves_energy(void **state)
     enum { W = 19, H = 11 };
     for (size_t g = 0; g < COUNT(gains); g++) {
         const struct gp_compose_params p = {
-            gains[g], GP_MIX_SCATTER, 0.0f, false,
+            gains[g], GLAREPP_SCATTER, 0.0f, false,
         };
         struct gp_image f = noise_frame(W, H, W + 1, 100.0f); // a diagonal
         for (int i = 0; i < 3 * W * H; i++) {
@@ -115,7 +115,7 @@ static void a_last_layer_becomes_the_lit_frame(void **state)
     enum { W = 37, H = 23, BYTES = W * H * sizeof(float) };
     for (int i = 0; i < 8; i++) {
         struct gp_compose_params p = {
-            0.75f, i & 1 ? GP_MIX_SCATTER : GP_MIX_ADD, i & 2 ? 0.25f : 0.0f,
+            0.75f, i & 1 ? GLAREPP_SCATTER : GLAREPP_ADD, i & 2 ? 0.25f : 0.0f,
             true,
         };
         const bool layer = !(i & 4);
@@ -145,7 +145,7 @@ static void dim_takes_its_share(void **state)
     enum { N = 19 * 11 };
     for (int i = 0; i < 4; i++) {
         struct gp_compose_params p = {
-            0.7f, i & 1 ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f, false,
+            0.7f, i & 1 ? GLAREPP_SCATTER : GLAREPP_ADD, 0.0f, false,
         };
         struct scene s = noise_scene(noise_frame(19, 11, 6, 50.0f));
         float plain[3 * N];

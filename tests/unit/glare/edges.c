@@ -42,7 +42,7 @@ static struct scene sensed(int w, int h, enum light light)
 }
 
 static void assert_stays(const char *word, const struct gp_kernel *k, int w,
-                         int h, float value, enum gp_surround_how how)
+                         int h, float value, enum glarepp_edges how)
 {
     const struct gp_compose_params compose = GP_COMPOSE_DEFAULTS;
     struct gp_image f = scene_frame(w, h, 0, 0, BLACK, 0);
@@ -110,8 +110,8 @@ static void flat_pictures_stay_flat(void **state)
             struct gp_kernel k = kernel_for(word, w, h);
             for (size_t v = 0; v < (j < 5 ? COUNT(values) : 2); v++)
                 assert_stays(word, &k, w, h, values[v],
-                             (i + (int) j) % 2 ? GP_SURROUND_MIRROR
-                                               : GP_SURROUND_EXTEND);
+                             (i + (int) j) % 2 ? GLAREPP_MIRROR
+                                               : GLAREPP_EXTEND);
             gp_kernel_free(&k);
         }
     }
@@ -137,7 +137,7 @@ static void layers_are_the_plain_sum(void **state)
                     : scene_kernel(45, 38, n == 2 ? 3 : MID, n == 2 ? 40 : MID,
                                    shapes[n]);
         const struct gp_surround edges = {
-            i % 2 ? GP_SURROUND_MIRROR : GP_SURROUND_EXTEND, &s.src, NULL,
+            i % 2 ? GLAREPP_MIRROR : GLAREPP_EXTEND, &s.src, NULL,
         };
         const size_t e = model ? 2 * (i % 2) : i % COUNT(engines);
         double bound, black;
@@ -163,11 +163,11 @@ static void overscan_makes_no_difference(void **state)
     struct scene s = sensed(w, h, ALL);
     struct gp_kernel k = scene_kernel(2 * reach + 1, 2 * reach + 1, MID, MID,
                                       PEAK);
-    const struct gp_surround none = {GP_SURROUND_BLACK, &s.src, NULL};
+    const struct gp_surround none = {GLAREPP_BLACK, &s.src, NULL};
     struct gp_planes want = layer_of(&s.src, &none, &k, "fft", NULL);
     (void) state;
-    for (int how = GP_SURROUND_EXTEND; how <= GP_SURROUND_MIRROR; how++) {
-        const struct gp_surround edges = {(enum gp_surround_how) how, &s.src,
+    for (int how = GLAREPP_EXTEND; how <= GLAREPP_MIRROR; how++) {
+        const struct gp_surround edges = {(enum glarepp_edges) how, &s.src,
                                           NULL};
         struct gp_planes got = layer_of(&s.src, &edges, &k, "fft", NULL);
         for (int i = 0; i < 3 * w * h; i++) {
@@ -175,7 +175,7 @@ static void overscan_makes_no_difference(void **state)
             const float a = want.c[c][i % (w * h)], b = got.c[c][i % (w * h)];
             const bool inside = x >= reach && x < w - reach && y >= reach &&
                                 y < h - reach;
-            if (inside && how == GP_SURROUND_EXTEND)
+            if (inside && how == GLAREPP_EXTEND)
                 assert_true(a == b);
             else if (inside) // transforms of another size
                 assert_true(fabsf(a - b) <= 1e-5f * a);
@@ -213,7 +213,7 @@ static void leaving_lamps_fade(void **state)
                     f.rgb.c[c][p] = sky + (float) (1000.0 * in);
             }
             struct scene s = scene_sense(f, (struct gp_kernel) {0}, &usual);
-            const struct gp_surround edges = {GP_SURROUND_EXTEND, &s.src, NULL};
+            const struct gp_surround edges = {GLAREPP_EXTEND, &s.src, NULL};
             struct gp_planes layer = layer_of(&s.src, &edges, &k, "auto", NULL);
             double sum[3], squares;
             gp_planes_sum(&layer, (size_t) w * (size_t) h, sum, &squares);

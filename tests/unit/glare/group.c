@@ -7,7 +7,7 @@
 
 /* Takes the frame. */
 static struct gp_sources sources_of(struct gp_image f,
-                                    const struct gp_sensor_params *p)
+                                    const struct glarepp_sense_params *p)
 {
     struct gp_sources s;
     assert_ok(gp_sense(NULL, p, &f, &s));

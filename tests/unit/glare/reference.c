@@ -161,7 +161,7 @@ static void scattered_light_leaves_the_composite(void **state)
 {
     static const float gains[] = {0.25f, 1.0f, 3.0f};
     for (size_t i = 0; i < COUNT(gains); i++) {
-        const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+        const struct glarepp_sense_params p = GLAREPP_SENSE_PARAMS;
         const double gain = (double) gains[i];
         struct scene s = measured(8, 4, 0.5f, 2.0, 2.0f);
         struct gp_glare_error e;

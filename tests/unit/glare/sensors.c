@@ -33,7 +33,7 @@ static void bad_pixels_stay_alone(void **state)
     };
     static const int sizes[][2] = {{1, 1}, {16, 16}, {37, 35}};
     for (size_t i = 0; i < 3 * COUNT(rows); i++) {
-        const struct gp_sensor_params limited =
+        const struct glarepp_sense_params limited =
             WHOLE(1.0f, 0.0f, rows[i / 3].limit);
         const int w = sizes[i % 3][0], h = sizes[i % 3][1];
         struct gp_image f = scene_frame(w, h, 0, 0, DARK, 9u);
@@ -61,14 +61,14 @@ static void bad_pixels_stay_alone(void **state)
 
 static void threshold_is_shut(void **state)
 {
-    const struct gp_sensor_params hard = WHOLE(3.0f, 0.0f, 100.0f);
+    const struct glarepp_sense_params hard = WHOLE(3.0f, 0.0f, 100.0f);
     assert_true(gp_bright_pass(&hard, 3.0f) == 0.0f);
     assert_true(gp_bright_pass(&hard, nextafterf(3.0f, 4.0f)) == 1.0f);
     assert_true(gp_bright_pass(&hard, nextafterf(3.0f, 2.0f)) == 0.0f);
     assert_true(gp_bright_pass(&hard, 0.0f) == 0.0f);
     assert_true(gp_bright_pass(&open_all, 0.0f) == 0.0f);
     assert_true(gp_bright_pass(&open_all, 1e-45f) == 1.0f);
-    const struct gp_sensor_params zero_knee = WHOLE(0.0f, 1.0f, 100.0f);
+    const struct glarepp_sense_params zero_knee = WHOLE(0.0f, 1.0f, 100.0f);
     assert_true(gp_bright_pass(&zero_knee, 0.0f) == 0.0f);
     assert_true(gp_bright_pass(&zero_knee, 1e-45f) == 1.0f);
 }
@@ -79,7 +79,7 @@ static void knee_is_smooth(void **state)
 {
     static const float knees[] = {1e-3f, 0.1f, 0.5f, 1.0f};
     for (size_t i = 0; i < COUNT(knees); i++) {
-        const struct gp_sensor_params p = WHOLE(2.0f, knees[i], 100.0f);
+        const struct glarepp_sense_params p = WHOLE(2.0f, knees[i], 100.0f);
         const double lo = 2.0 * (1.0 - (double) knees[i]);
         const double wide = 4.0 * (double) knees[i];
         double last = 0.0, last_rise = 0.0;
@@ -112,8 +112,8 @@ static void sources_hold_the_excess(void **state)
             f.rgb.c[c][i] = exp2f(8.0f * scene_random(&seed) - 4.0f);
     }
     for (size_t t = 0; t < COUNT(thresholds); t++) {
-        const struct gp_sensor_params p = {
-            .threshold = thresholds[t], .mode = GP_THRESHOLD_EXCESS,
+        const struct glarepp_sense_params p = {
+            .threshold = thresholds[t],
         };
         struct gp_sources src;
         size_t over = 0, at = 0;

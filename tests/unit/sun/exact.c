@@ -127,7 +127,7 @@ static void test_places(void **state)
             assert_near(visibility(&o[i % 3], mode,
                                    light_at(places[p].x + x0, places[p].y + y0,
                                             places[p].r)),
-                        mode == GP_OUTSIDE_SCENE ? scene : want[mode],
+                        mode == GLAREPP_BY_SCENE ? scene : want[mode],
                         places[p].bar + (c > 0 ? 1e-9 : 0.0), places[p].name,
                         mode);
         }
@@ -135,7 +135,7 @@ static void test_places(void **state)
         behind.behind = true;
         for (int mode = 0; mode < MODES; mode++)
             assert_near(visibility(&o[0], mode, behind),
-                        mode == GP_OUTSIDE_SCENE ? 0.25 : 0, 0, "behind", mode);
+                        mode == GLAREPP_BY_SCENE ? 0.25 : 0, 0, "behind", mode);
         gp_plane_free(&depth);
         gp_plane_free(&mask);
     }
@@ -160,7 +160,7 @@ static void test_no_planes(void **state)
         assert_near(visibility(&all, mode, light_at(3, 4, 1e8)), 1, 0, "vast",
                     mode);
         assert_near(visibility(&none, mode, light_at(3, 4, 5)),
-                    mode == GP_OUTSIDE_SCENE ? 0.25 : mode == 1, 0,
+                    mode == GLAREPP_BY_SCENE ? 0.25 : mode == 1, 0,
                     "empty frame", mode);
         for (int i = 0; i < 3; i++) {
             const double *const at = nowhere[i];
@@ -183,11 +183,11 @@ static double by_pixels(const struct gp_occluders *o, int outside,
         }
     }
     const double rest = M_PI * l->radius * l->radius - area;
-    if (outside != (int) GP_OUTSIDE_IGNORE)
+    if (outside != (int) GLAREPP_IGNORE)
         area += rest;
-    if (outside == (int) GP_OUTSIDE_VISIBLE)
+    if (outside == (int) GLAREPP_VISIBLE)
         shown += rest;
-    if (outside == (int) GP_OUTSIDE_SCENE)
+    if (outside == (int) GLAREPP_BY_SCENE)
         shown += rest * l->outside;
     return area > 0.0 ? shown / area : 0.0;
 }
@@ -220,10 +220,10 @@ static void check_interval(const struct gp_occluders *o, int outside,
         high += hi > 0.0 ? a : 0.0;
     }
     const double disc = M_PI * l.radius * l.radius, rest = disc - area;
-    const bool scene = outside == (int) GP_OUTSIDE_SCENE;
+    const bool scene = outside == (int) GLAREPP_BY_SCENE;
     l.outside_error = 0.1;
     l.visibility = visibility(o, outside, l);
-    gp_sun_interval(o, (enum gp_sun_outside) outside, &l, 1);
+    gp_sun_interval(o, (enum glarepp_outside) outside, &l, 1);
     assert_near(l.low, (low + rest * (scene ? 0.15 : 0.0)) / disc, 1e-9, "low",
                 outside);
     assert_near(l.high, (high + rest * (scene ? 0.35 : 1.0)) / disc, 1e-9,
@@ -299,12 +299,12 @@ static void test_vast_frame(void **state)
     // so do bounds: a block of 10 x 10, its edges on both sides
     struct gp_light l = light_at(10, 10, 1000);
     l.visibility = visibility(&alone, 0, l);
-    gp_sun_interval(&alone, GP_OUTSIDE_IGNORE, &l, 1);
+    gp_sun_interval(&alone, GLAREPP_IGNORE, &l, 1);
     assert_near(l.low, 1.0 - 144.0 / (M_PI * 1e6), 1e-12, "low", 0);
     assert_near(l.high, 1.0 - 64.0 / (M_PI * 1e6), 1e-12, "high", 0);
     l = light_at(10, 10, 1e6);
     l.visibility = visibility(&o, 0, l);
-    gp_sun_interval(&o, GP_OUTSIDE_IGNORE, &l, 1);
+    gp_sun_interval(&o, GLAREPP_IGNORE, &l, 1);
     assert_near(l.high - l.low, 0.0, 1e-9, "both", 0);
     gp_plane_free(&depth);
     gp_plane_free(&mask);
@@ -326,13 +326,13 @@ static void test_many_lights(void **state)
         light[i].behind = i % 9 == 4;
         light[i].visibility = (double) NAN;
     }
-    gp_sun_exact(&o, GP_OUTSIDE_IGNORE, light, N);
+    gp_sun_exact(&o, GLAREPP_IGNORE, light, N);
     for (int i = 0; i < N; i++) {
         const double alone = visibility(&o, 0, light[i]);
         assert_true(light[i].visibility == alone);
         assert_true(!light[i].behind || alone == 0.0);
     }
-    gp_sun_exact(&o, GP_OUTSIDE_IGNORE, NULL, 0);
+    gp_sun_exact(&o, GLAREPP_IGNORE, NULL, 0);
     gp_plane_free(&depth);
 }
 

@@ -10,33 +10,33 @@ static void lights_by_text(void **state)
 {
     static const struct {
         const char *text; // of one light
-        struct gp_light_spec want;
+        struct glarepp_light want;
     } row[] = {
         {"{'pixel': [3, -4.5]}",
-         {GP_PLACE_PIXEL, {3, -4.5, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, "", 0}},
+         {GLAREPP_PIXEL, {3, -4.5, 0}, 0.5, 0.533, 0, NAN, 1e-3, {0, 0, 0}, ""}},
         {"{'world': [1, 2, 3], 'name': 'lamp'}",
-         {GP_PLACE_WORLD, {1, 2, 3}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, "lamp", 0}},
+         {GLAREPP_WORLD, {1, 2, 3}, 0.5, 0.533, 0, NAN, 1e-3, {0, 0, 0}, "lamp"}},
         {"{'direction': [0, 0, 1e-9]}",
-         {GP_PLACE_DIRECTION, {0, 0, 1e-9}, -1, 0.533, NAN, 1e-3, {0, 0, 0}, "", 0}},
+         {GLAREPP_DIRECTION, {0, 0, 1e-9}, -1, 0.533, 0, NAN, 1e-3, {0, 0, 0}, ""}},
         {"{'direction': [0, 0, 1], 'radius': 2}",
-         {GP_PLACE_DIRECTION, {0, 0, 1}, 2, 0.533, NAN, 1e-3, {0, 0, 0}, "", 0}},
+         {GLAREPP_DIRECTION, {0, 0, 1}, 2, 0.533, 0, NAN, 1e-3, {0, 0, 0}, ""}},
         {"{'direction': [0, 0, 1], 'degrees': 2}",
-         {GP_PLACE_DIRECTION, {0, 0, 1}, -1, 2, NAN, 1e-3, {0, 0, 0}, "", 0}},
+         {GLAREPP_DIRECTION, {0, 0, 1}, -1, 2, 0, NAN, 1e-3, {0, 0, 0}, ""}},
         {"{'pixel': [0, 0], 'radius': 0, 'depth': 0, 'bias': 0}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0, 0.533, 0, 0, {0, 0, 0}, "", 0}},
+         {GLAREPP_PIXEL, {0, 0, 0}, 0, 0.533, 0, 0, 0, {0, 0, 0}, ""}},
         {"{'pixel': [0, 0], 'depth': 1e30, 'bias': 1, 'flux': 1e12}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, 1e30, 1,
-          {1e12f, 1e12f, 1e12f}, "", 0}},
+         {GLAREPP_PIXEL, {0, 0, 0}, 0.5, 0.533, 0, 1e30, 1,
+          {1e12f, 1e12f, 1e12f}, ""}},
         {"{'pixel': [0, 0], 'flux': [1, 2, 3]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {1, 2, 3}, "", 0}},
+         {GLAREPP_PIXEL, {0, 0, 0}, 0.5, 0.533, 0, NAN, 1e-3, {1, 2, 3}, ""}},
         {"{'pixel': [0, 0], 'flux': 4, 'color': [1, 0.5, 0]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {4, 2, 0}, "", 0}},
+         {GLAREPP_PIXEL, {0, 0, 0}, 0.5, 0.533, 0, NAN, 1e-3, {4, 2, 0}, ""}},
         {"{'pixel': [0, 0], 'color': [1, 2, 3]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, "", 0}},
+         {GLAREPP_PIXEL, {0, 0, 0}, 0.5, 0.533, 0, NAN, 1e-3, {0, 0, 0}, ""}},
     };
     for (size_t i = 0; i < 2 * COUNT(row); i++) { // both forms of a file
-        const struct gp_light_spec *want = &row[i / 2].want;
-        struct gp_light_spec *got = NULL;
+        const struct glarepp_light *want = &row[i / 2].want;
+        struct glarepp_light *got = NULL;
         char text[400];
         int n = -1;
         snprintf(text, sizeof text, i % 2 ? "[%s]" : "{'lights': [%s]}",
@@ -88,8 +88,8 @@ static void files_that_are_refused(void **state)
         {"'name': 1", "name"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_light_spec *const none = (struct gp_light_spec *) kept_line;
-        struct gp_light_spec *got = none;
+        struct glarepp_light *const none = (struct glarepp_light *) kept_line;
+        struct glarepp_light *got = none;
         int n = -1;
         char text[200];
         snprintf(text, sizeof text, row[i].text[0] == '\''
@@ -100,7 +100,7 @@ static void files_that_are_refused(void **state)
             fail_msg("row %zu: status %d, %s", i, st, kept_line);
         assert_true(got == none && n == -1);
     }
-    struct gp_light_spec *got;
+    struct glarepp_light *got;
     int n;
     assert_int_equal(gp_lights_read(&kept_log, folder, &got, &n), GP_ERR_IO);
 }
@@ -110,7 +110,7 @@ static void counts_up_to_the_limit(void **state)
     static const int counts[] = {0, 1, GP_LIGHTS_MAX, GP_LIGHTS_MAX + 1};
     static char text[1 << 16];
     for (size_t k = 0; k < COUNT(counts); k++) {
-        struct gp_light_spec *got = NULL;
+        struct glarepp_light *got = NULL;
         int at = snprintf(text, sizeof text, "["), n = -1;
         for (int i = 0; i < counts[k]; i++)
             at += snprintf(text + at, sizeof text - (size_t) at,
@@ -147,38 +147,38 @@ static void places_by_kind(void **state)
     // a disc in the middle: tan(0.2665 degrees) of 200 pixels
     static const double sun = 0.93026719998;
     static const struct {
-        struct gp_light_spec spec;
+        struct glarepp_light spec;
         enum gp_depth_type type;
         double x, y, radius, depth;
         bool behind;
     } row[] = {
-        {{.place = GP_PLACE_PIXEL, .at = {-7, 1e6}, .radius = 3, .depth = NAN},
+        {{.place = GLAREPP_PIXEL, .at = {-7, 1e6}, .radius = 3, .depth = NAN},
          GP_DEPTH_Z, -7, 1e6, 3, INFINITY, false},
-        {{.place = GP_PLACE_PIXEL, .radius = -1, .depth = 5},
+        {{.place = GLAREPP_PIXEL, .radius = -1, .depth = 5},
          GP_DEPTH_NORMALIZED, 0, 0, 0.5, 5, false},
-        {{.place = GP_PLACE_DIRECTION, .at = {0, 2, 0}, .radius = -1,
+        {{.place = GLAREPP_DIRECTION, .at = {0, 2, 0}, .radius = -1,
           .degrees = 0.533, .depth = NAN},
          GP_DEPTH_Z, 200, 100, sun, INFINITY, false},
-        {{.place = GP_PLACE_DIRECTION, .at = {0, 2, 0}, .radius = 4,
+        {{.place = GLAREPP_DIRECTION, .at = {0, 2, 0}, .radius = 4,
           .degrees = 0.533, .depth = NAN},
          GP_DEPTH_NORMALIZED, 200, 100, 4, INFINITY, false},
-        {{.place = GP_PLACE_DIRECTION, .at = {0, -2, 0}, .radius = -1,
+        {{.place = GLAREPP_DIRECTION, .at = {0, -2, 0}, .radius = -1,
           .degrees = 0.533, .depth = NAN},
          GP_DEPTH_Z, 0, 0, 0, INFINITY, true},
-        {{.place = GP_PLACE_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
+        {{.place = GLAREPP_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
          GP_DEPTH_Z, 350, 100, 1, 4, false},
-        {{.place = GP_PLACE_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
+        {{.place = GLAREPP_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
          GP_DEPTH_INVERSE, 350, 100, 1, 4, false},
-        {{.place = GP_PLACE_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
+        {{.place = GLAREPP_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
          GP_DEPTH_RAY, 350, 100, 1, 5, false},
-        {{.place = GP_PLACE_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = 0.25},
+        {{.place = GLAREPP_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = 0.25},
          GP_DEPTH_NORMALIZED, 350, 100, 1, 0.25, false},
-        {{.place = GP_PLACE_WORLD, .at = {3, 0, 0}, .radius = 1, .depth = NAN},
+        {{.place = GLAREPP_WORLD, .at = {3, 0, 0}, .radius = 1, .depth = NAN},
          GP_DEPTH_Z, 0, 0, 1, 0, true},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {0};
-        struct gp_light_spec spec = row[i].spec;
+        struct glarepp_light spec = row[i].spec;
         spec.bias = 0.25;
         spec.flux[1] = 7;
         if (gp_light_place_in(&kept_log, "a.exr", &spec, &c, row[i].type,
@@ -200,30 +200,30 @@ static void sights_by_kind(void **state)
 {
     const struct gp_camera c = camera();
     static const struct {
-        struct gp_light_spec spec;
+        struct glarepp_light spec;
         struct gp_light_sight want;
         double radius, bias; // pixels; beside the light's own
     } row[] = {
-        {{.place = GP_PLACE_DIRECTION, .at = {0, 2, 0}, .radius = -1,
+        {{.place = GLAREPP_DIRECTION, .at = {0, 2, 0}, .radius = -1,
           .degrees = 0.533}, {true, false, {0, 2, 0}, 0.533 * M_PI / 360.0},
          0.93026719998, 0.0},
-        {{.place = GP_PLACE_DIRECTION, .at = {0, -2, 0}, .radius = -1,
+        {{.place = GLAREPP_DIRECTION, .at = {0, -2, 0}, .radius = -1,
           .degrees = 0.533}, {true, false, {0, -2, 0}, 0.533 * M_PI / 360.0},
          0.0, 0.0},
-        {{.place = GP_PLACE_PIXEL, .at = {200, 100}, .radius = 0.93026719998},
+        {{.place = GLAREPP_PIXEL, .at = {200, 100}, .radius = 0.93026719998},
          {true, false, {0, 1, 0}, 0.533 * M_PI / 360.0}, 0.93026719998, 0.0},
-        {{.place = GP_PLACE_WORLD, .at = {0, 8, 0}, .radius = -1, .ball = 2},
+        {{.place = GLAREPP_WORLD, .at = {0, 8, 0}, .radius = -1, .ball = 2},
          {true, true, {0, 8, 0}, 0.2526802551}, 51.63977795, 0.25},
-        {{.place = GP_PLACE_WORLD, .at = {0, -8, 0}, .radius = -1, .ball = 4},
+        {{.place = GLAREPP_WORLD, .at = {0, -8, 0}, .radius = -1, .ball = 4},
          {true, true, {0, -8, 0}, M_PI / 6.0}, 0.0, 0.0},
-        {{.place = GP_PLACE_WORLD, .at = {0, 1, 0}, .radius = -1, .ball = 2},
+        {{.place = GLAREPP_WORLD, .at = {0, 1, 0}, .radius = -1, .ball = 2},
          {true, true, {0, 1, 0}, M_PI / 2.0}, 0.0, 0.75},
-        {{.place = GP_PLACE_WORLD, .at = {0, 8, 0}, .radius = 51.63977795},
+        {{.place = GLAREPP_WORLD, .at = {0, 8, 0}, .radius = 51.63977795},
          {true, true, {0, 8, 0}, 0.2526802551}, 51.63977795, 0.0},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l;
-        struct gp_light_spec spec = row[i].spec;
+        struct glarepp_light spec = row[i].spec;
         spec.bias = 0.25;
         spec.depth = NAN;
         assert_ok(gp_light_place_in(&kept_log, "a.exr", &spec, &c, GP_DEPTH_Z,
@@ -240,7 +240,7 @@ static void sights_by_kind(void **state)
     }
     // no camera: no place in the world
     struct gp_light l;
-    const struct gp_light_spec plain = {.at = {3, 4}, .radius = 2, .depth = NAN};
+    const struct glarepp_light plain = {.at = {3, 4}, .radius = 2, .depth = NAN};
     assert_ok(gp_light_place_in(&kept_log, "a.exr", &plain, NULL, GP_DEPTH_Z,
                                 window, &l));
     assert_false(l.sight.known);
@@ -250,18 +250,18 @@ static void places_that_cannot_be(void **state)
 {
     const struct gp_camera c = camera();
     static const struct {
-        struct gp_light_spec spec;
+        struct glarepp_light spec;
         bool has_camera;
         enum gp_depth_type type;
         gp_status st;
     } row[] = {
-        {{.place = GP_PLACE_WORLD, .at = {0, 1, 0}, .depth = NAN}, false,
+        {{.place = GLAREPP_WORLD, .at = {0, 1, 0}, .depth = NAN}, false,
          GP_DEPTH_Z, GP_ERR_USAGE},
-        {{.place = GP_PLACE_DIRECTION, .at = {0, 1, 0}, .depth = 3}, false,
+        {{.place = GLAREPP_DIRECTION, .at = {0, 1, 0}, .depth = 3}, false,
          GP_DEPTH_Z, GP_ERR_USAGE},
-        {{.place = GP_PLACE_WORLD, .at = {0, 1, 0}, .depth = NAN}, true,
+        {{.place = GLAREPP_WORLD, .at = {0, 1, 0}, .depth = NAN}, true,
          GP_DEPTH_NORMALIZED, GP_ERR_DATA},
-        {{.place = GP_PLACE_PIXEL, .depth = NAN}, false, GP_DEPTH_Z, GP_OK},
+        {{.place = GLAREPP_PIXEL, .depth = NAN}, false, GP_DEPTH_Z, GP_OK},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {.x = 99};

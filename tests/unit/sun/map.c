@@ -34,21 +34,21 @@ static void cases(struct gp_light l[CASES])
 
 /* Draws maps, and compares sums with those in double. */
 static void assert_sums(struct machine *m, const struct sun_frame *f,
-    const struct gp_map_params *p, struct gp_light *l, int n)
+    const struct glarepp_light_params *p, struct gp_light *l, int n)
 {
     measure(m, &f->o, p, false, l, n);
     for (int i = 0; i < n; i++) {
         const double want = gp_sun_map_reference(&f->o, p, &l[i], NULL);
         if (!(fabs(l[i].visibility - want) <= 1e-6))
             fail_msg("%s, light %d, pattern %d, map %d, sum %d, outside %d: "
-                     "%.9g is %.9g", gp_gl_info(m->gl)->name, i, p->pattern,
-                     p->side, p->sum, p->outside, want, l[i].visibility);
+                     "%.9g is %.9g", gp_gl_info(m->gl)->name, i, p->square,
+                     p->side, p->bytes, p->outside, want, l[i].visibility);
     }
 }
 
 /* Maps of all lights, texel by texel, and their sums. */
 static void try_lights(struct machine *m, const struct sun_frame *f,
-                       struct gp_map_params p, struct gp_light *l, int n)
+                       struct glarepp_light_params p, struct gp_light *l, int n)
 {
     const int side = p.side, texels = side * side;
     const int columns = (int) ceil(sqrt(n)), w = columns * side;
@@ -70,7 +70,7 @@ static void try_lights(struct machine *m, const struct sun_frame *f,
             fabs((double) (got[1] - want[2 * t + 1])) > 1e-6)
             fail_msg("%s, light %d, pattern %d, map %d, outside %d, texel %d: "
                 "%.9g %.9g is %.9g %.9g", gp_gl_info(m->gl)->name, i,
-                p.pattern, side, p.outside, t, (double) want[2 * t],
+                p.square, side, p.outside, t, (double) want[2 * t],
                 (double) want[2 * t + 1], (double) got[0], (double) got[1]);
     }
     free(want);
@@ -79,7 +79,7 @@ static void try_lights(struct machine *m, const struct sun_frame *f,
 
 /* All, for which the frame is uploaded, and the small ones, whose boxes are. */
 static void try_params(struct machine *m, const struct sun_frame *f,
-                       struct gp_map_params p)
+                       struct glarepp_light_params p)
 {
     struct gp_light l[CASES];
     cases(l);
@@ -97,9 +97,9 @@ static void maps_equal_the_reference(void **state)
         seed = 77u + (uint32_t) k;
         make_frame(&f, window, k % 4, 1 + k % 3);
         for (int i = 0; i < machine_count; i++) {
-            const struct gp_map_params p = {
-                .pattern = (enum gp_sun_pattern) (k % 8 / 4),
-                .outside = (enum gp_sun_outside) (k / 8),
+            const struct glarepp_light_params p = {
+                .square = k % 8 / 4,
+                .outside = (enum glarepp_outside) (k / 8),
                 .side = sizes[(k + 4 * i) % 9],
             };
             try_params(machine_at(i), &f, p);
@@ -129,7 +129,7 @@ static void bytes_are_the_papers(void **state)
     for (int k = 0; k < 8 * machine_count; k++) {
         struct machine *const m = machine_at(k / 8);
         const int size = sizes[k % 8];
-        struct gp_map_params p = {.side = size, .sum = GP_SUM_BYTE};
+        struct glarepp_light_params p = {.side = size, .bytes = true};
         struct gp_light l = light_at(30.3, 70.8, size / 2);
         float *const map = malloc(2 * (size_t) (size * size) * sizeof *map);
         measure(m, &f.o, &p, false, &l, 1);
@@ -162,7 +162,7 @@ static void textures_may_be_small(void **state)
     make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
     for (int k = 0; k < 4 * machine_count; k++) {
         struct machine *const m = machine_at(k / 4);
-        const struct gp_map_params p = {.side = 8};
+        const struct glarepp_light_params p = {.side = 8};
         const int limit = m->gl->info.max_size;
         struct gp_light l[2] = {light_at(40.3, 75.2, rows[k % 4].radius),
                                 light_at(45.3, 75.2, rows[k % 4].radius)};
@@ -182,7 +182,7 @@ static void textures_may_be_small(void **state)
 static void refused(struct machine *m, const struct gp_occluders *o, int map,
                     int n, const char *parameter)
 {
-    const struct gp_map_params p = {.side = map};
+    const struct glarepp_light_params p = {.side = map};
     static struct gp_light l[GP_LIGHTS_MAX];
     for (int i = 0; i < GP_LIGHTS_MAX; i++)
         l[i] = light_at(30.0, 60.0, 4.0);

@@ -10,7 +10,7 @@
 #include "sun/flare_priv.h"
 #include "sun/stage.h"
 
-enum { MODES = 4 }; // of enum gp_sun_outside
+enum { MODES = 4 }; // of enum glarepp_outside
 
 static inline void assert_near(double got, double want, double bar,
                                const char *what, double detail)
@@ -48,7 +48,7 @@ static inline double visibility(const struct gp_occluders *o, int outside,
                                 struct gp_light l)
 {
     l.visibility = -1.0;
-    gp_sun_exact(o, (enum gp_sun_outside) outside, &l, 1);
+    gp_sun_exact(o, (enum glarepp_outside) outside, &l, 1);
     return l.visibility;
 }
 
@@ -169,7 +169,7 @@ static inline struct machine *machine_at(int i)
 
 /* The shares of n lights by the sun map, or by readback, into l. */
 static inline void measure(struct machine *m, const struct gp_occluders *o,
-    const struct gp_map_params *p, bool readback, struct gp_light *l, int n)
+    const struct glarepp_light_params *p, bool readback, struct gp_light *l, int n)
 {
     assert_ok((readback ? gp_sun_readback : gp_sun_mask)(
         &kept_log, m->gl, o, p, l, n, &m->map));

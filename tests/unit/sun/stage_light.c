@@ -9,7 +9,7 @@ enum { W = 40, H = 30 };
 static bool join(const struct gp_light *light, struct gp_sources *out)
 {
     const struct gp_rect frame = {-3, 7, -3 + W, 7 + H};
-    const struct gp_sun_params p = {0};
+    const struct glarepp_light_params p = {0};
     const struct gp_image image = {.data = frame, .display = frame};
     const struct gp_sources like = {.x0 = -3, .y0 = 7, .w = W, .h = H};
     struct gp_light l = *light;
@@ -80,7 +80,7 @@ static void offsets_reach_the_far_side(void **state)
         {{.x = -1e12, .y = 15, .radius = 3, .visibility = 1}, 0, 0},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct gp_sun_params p = {0};
+        const struct glarepp_light_params p = {0};
         struct gp_light l = rows[i].l;
         const struct gp_suns suns = {.p = &p, .light = &l, .n = 1};
         int offset[2];
