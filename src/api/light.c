@@ -232,7 +232,7 @@ static gp_status add_layer(const struct gp_log *log,
 /* Adds one run's layer; norm2 and *stats stay 0 where it has no light. */
 static gp_status add_run(struct glarepp_frame *f, const struct gp_sources *src,
     struct gp_api_ghosts *ghosts, int i, struct gp_image *image,
-    double norm2[2], struct gp_glare_stats *stats)
+    double norm2[2], struct glarepp_layer_facts *stats)
 {
     const struct gp_ghost *const run = &ghosts->set.run[i];
     struct gp_image window = {.path = image->path, .display = image->display};
@@ -272,7 +272,7 @@ gp_status gp_api_ghosts_add(struct glarepp_frame *f,
     GP_TRY(gp_api_dark_layer(&f->log, image));
     for (int i = 0; i < ghosts->set.n; i++) {
         const struct gp_ghost *const run = &ghosts->set.run[i];
-        struct gp_glare_stats stats = {0};
+        struct glarepp_layer_facts stats = {0};
         double norm2[2] = {0};
         if (!run->kernel.w)
             continue;

@@ -398,26 +398,9 @@ static struct gp_surround edges_of(const struct glarepp_frame *f,
     return (struct gp_surround) {f->plan->edges, &f->sources, own};
 }
 
-static void note_layer(struct glarepp_frame *f, const struct gp_glare_stats *s)
-{
-    struct glarepp_layer_facts *const facts = &f->facts.layer;
-    *facts = (struct glarepp_layer_facts) {
-        .engine = s->engine, .bound = s->bound, .bound_pixel = s->bound_pixel,
-        .fft_w = s->fft_w, .fft_h = s->fft_h, .in_double = s->fft_double,
-        .near = {s->fft_core[0], s->fft_core[1]},
-        .groups = (long long) s->groups,
-        .clusters = (long long) s->clusters,
-        .polygons = (long long) s->polygons, .cores = (long long) s->cores,
-        .polygon_pixels = s->polygon_pixels, .form = s->form, .gl = s->gl,
-    };
-    memcpy(facts->why, s->why, sizeof facts->why);
-}
-
 static gp_status add_layer(struct glarepp_frame *f)
 {
-    struct gp_glare_stats stats = {
-        .engine = "none", .why = "no pixel is over the threshold",
-    };
+    struct glarepp_layer_facts *const facts = &f->facts.layer;
     struct gp_glare_params p = f->plan->glare;
     struct gp_api_lights *const lights = f->work->lights;
     gp_status st = GP_OK;
@@ -437,19 +420,18 @@ static gp_status add_layer(struct glarepp_frame *f)
     p.taken = f->plan->compose.mix == GLAREPP_SCATTER ? &f->sources : NULL;
     p.edges = edges_of(f, &f->sources);
     p.last = f->p.last;
-    if (light->n > 0) {
-        stats = (struct gp_glare_stats) {0};
-        st = gp_glare_run(&f->log, &p, &f->work->engines, light,
-                          gp_api_kernel(f), &f->image, &stats);
-    }
-    note_layer(f, &stats);
-    return st;
+    if (light->n > 0)
+        return gp_glare_run(&f->log, &p, &f->work->engines, light,
+                            gp_api_kernel(f), &f->image, facts);
+    *facts = (struct glarepp_layer_facts) {
+        .engine = "none", .why = "no pixel is over the threshold",
+    };
+    return GP_OK;
 }
 
 static gp_status verify(struct glarepp_frame *f)
 {
     const struct gp_surround edges = edges_of(f, &f->sources);
-    struct gp_glare_error error;
     gp_status st = GP_OK;
     if (!all_light(f)->n)
         return GP_OK;
@@ -463,9 +445,7 @@ static gp_status verify(struct glarepp_frame *f)
     gp_glare_measure(&f->image, &f->image.layer, f->exact,
                      f->plan->compose.gain,
                      f->plan->compose.mix == GLAREPP_SCATTER ? &f->sources
-                                                            : NULL, &error);
-    f->facts.errors = (struct glarepp_errors) {
-        error.rel_l2, error.max_rel, error.max_abs, error.flux_error};
+                                                            : NULL, &f->facts.errors);
     f->facts.verified = true;
 out:
     if (st || !f->p.details)
@@ -479,7 +459,7 @@ out:
 static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
                                const struct gp_compose_params *p)
 {
-    struct gp_glare_stats stats = {0};
+    struct glarepp_layer_facts stats = {0};
     struct glarepp_flare_facts flare = {0};
     struct gp_glare_params glare = f->plan->glare;
     const double start = gp_now_ms(), cpu = gp_cpu_ms();

@@ -16,6 +16,7 @@
 #include "glare/kernel.h"
 #include "glare/sources.h"
 #include "glare/far_field/far_field.h"
+#include "glarepp.h"
 
 #include <stdbool.h>
 
@@ -61,25 +62,6 @@ struct gp_glare_params {
     { .engine = "auto", .gain = 1.0f, .tolerance = 1e-3f,                     \
       .splat = GP_SPLAT_DEFAULTS }
 
-/* Facts about a run, for the report. Zero and NULL fields were not needed. */
-struct gp_glare_stats {
-    const char *engine;     // the engine that ran
-    char why[256];          // reason for the engine; "": it was named
-    int fft_w, fft_h;       // transform size
-    bool fft_double;        // in double
-    int fft_core[2];        // radii of the kernel's part that went direct, in
-                            // x and y; -1: none
-    size_t hot;             // sources that fft handed to direct
-    size_t groups, clusters; // polygons of blocks, and of filled areas
-    size_t polygons;        // all that opened; without a CORE's single sensors
-    size_t cores;           // single sensors that draw the kernel's core
-    double polygon_pixels;  // area of all of them on the layer
-    const char *form;       // "blended quads", "tiles, groups read back", ...
-    double bound;           // of rel_l2, guaranteed before the run
-    double bound_pixel;     // of max_rel, the same; 0: no tolerance_pixel
-    const char *gl;         // renderer string of the context
-};
-
 /* The part of the layer that is no engine's: the kernel's tail. */
 struct gp_layer_rest {
     gp_task add; // adds it to row i % h of channel i / h of the layer, of w * h
@@ -95,7 +77,7 @@ struct gp_glare_request {
     const struct gp_sources *src;
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
-    struct gp_glare_stats *stats;
+    struct glarepp_layer_facts *stats;
     struct gp_layer_rest *rest;       // or NULL
     const struct gp_far_state *tail; // open for the kernel's tail, which is
                    // added to what engines draw; NULL: the kernel has none
@@ -159,7 +141,7 @@ struct gp_glare {
 GP_MUST_CHECK gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
-    struct gp_image *f, struct gp_glare_stats *stats);
+    struct gp_image *f, struct glarepp_layer_facts *stats);
 void gp_glare_close(struct gp_glare *g);
 
 /* The truth: the same sum in double, plain loops when n sources times the
@@ -174,12 +156,9 @@ GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
 /* Errors of a layer against the truth. The composite is
  * f->rgb + gain * exact, less min(gain, 1) of `taken` where that is not NULL:
  * sources whose light leaves their pixels. */
-struct gp_glare_error {
-    double rel_l2, max_rel, max_abs, flux_error;
-};
 void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
     const double *exact, float gain, const struct gp_sources *taken,
-    struct gp_glare_error *out);
+    struct glarepp_errors *out);
 
 // -- the frame and its layer -------------------------------------------------
 

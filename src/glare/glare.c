@@ -286,7 +286,7 @@ out:
 static gp_status run_picture(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
-    struct gp_image *f, struct gp_glare_stats *stats)
+    struct gp_image *f, struct glarepp_layer_facts *stats)
 {
     gp_status st = GP_OK;
     struct gp_choice taken;
@@ -295,7 +295,7 @@ static gp_status run_picture(const struct gp_log *log,
         .g = g, .src = src, .kernel = kernel, .drawn = kernel, .f = f,
         .path = f->path ? f->path : "frame", .params = *p,
     };
-    *stats = (struct gp_glare_stats) {0};
+    *stats = (struct glarepp_layer_facts) {0};
     if (named < 0 && strcmp(p->engine, "auto") != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: no engine of this name; use auto, direct, fft or "
@@ -345,7 +345,7 @@ static void cut_planes(const struct gp_planes *from, int reach, int w, int h,
 gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
-    struct gp_image *f, struct gp_glare_stats *stats)
+    struct gp_image *f, struct glarepp_layer_facts *stats)
 {
     gp_status st;
     if (p->edges.how != GLAREPP_MIRROR || !src->n)
@@ -398,7 +398,7 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     struct gp_image f = {.data = {0, 0, w, h}, .display = {0, 0, w, h}};
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare engines = {0};
-    struct gp_glare_stats stats;
+    struct glarepp_layer_facts stats;
     struct gp_sources disc = {0};
     struct gp_kernel core = *k;
     core.tail = NULL; // it has a sprite of its own

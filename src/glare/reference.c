@@ -224,7 +224,7 @@ static double composite_at(const struct gp_image *f, const double *exact,
 
 void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
     const double *exact, float gain, const struct gp_sources *taken,
-    struct gp_glare_error *out)
+    struct glarepp_errors *out)
 {
     const size_t n = gp_image_pixels(f);
     double square = 0.0, exact_square = 0.0, sum = 0.0, exact_sum = 0.0;
@@ -254,7 +254,7 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
             max_rel = worse(max_rel, fabs(wrong) / (fmax(composite, 0.0) +
                                                     1e-6 * peak));
     }
-    *out = (struct gp_glare_error) {
+    *out = (struct glarepp_errors) {
         .rel_l2 = sqrt(exact_square > 0.0 ? square / exact_square : square),
         .max_rel = max_rel,
         .max_abs = max_abs,

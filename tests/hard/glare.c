@@ -28,7 +28,7 @@ static int no_gl;
 
 /* False where there is no GL for it. */
 static bool run_way(int way, struct scene *s, struct gp_glare *g,
-                    struct gp_glare_stats *stats, const char *what)
+                    struct glarepp_layer_facts *stats, const char *what)
 {
     const struct way *const w = &ways[way];
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
@@ -56,7 +56,7 @@ static bool run_way(int way, struct scene *s, struct gp_glare *g,
 static bool run_alone(int way, struct scene *s, const char *what)
 {
     struct gp_glare g = {0};
-    struct gp_glare_stats stats;
+    struct glarepp_layer_facts stats;
     const bool yes = run_way(way, s, &g, &stats, what);
     gp_glare_close(&g);
     return yes;
@@ -94,9 +94,9 @@ static double bar_of(const struct hard_case *h, int way, double error,
 
 static void judge_layer(const struct hard_case *h, int way,
                         const struct scene *s,
-                        const struct gp_glare_stats *stats, struct result *r)
+                        const struct glarepp_layer_facts *stats, struct result *r)
 {
-    struct gp_glare_error e;
+    struct glarepp_errors e;
     gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, NULL, &e);
     r->own = scene_own_error(s);
     if (is_dark(s)) {
@@ -122,7 +122,7 @@ static void run_case(int row, const struct hard_case *h,
     if (h->has_tail && !s.k.tail)
         hard_die(h->name, "has a kernel without a tail; make the case wider");
     for (int i = 0; i < WAYS; i++) {
-        struct gp_glare_stats stats;
+        struct glarepp_layer_facts stats;
         struct result *const r = &result[i];
         r->ran = run_way(i, &s, &kept[i], &stats, h->name);
         if (!r->ran)
@@ -374,7 +374,7 @@ static struct gp_image motion_frame(enum motion_shape shape, int step)
 }
 
 /* Whatever shines is a source: no threshold adds ripples of its own. */
-static const struct glarepp_sense_params motion_sensors = {.threshold = 0.0f};
+static const struct glarepp_sense_params motion_sensors = {.whole = true};
 
 static struct gp_kernel motion_kernel(void)
 {
@@ -413,7 +413,7 @@ static struct motion_track slide(int way, const struct gp_kernel *kernel,
     struct gp_glare g = {0};
     *ran = true;
     for (int i = 0; i < MOTION_STEPS && *ran; i++) {
-        struct gp_glare_stats stats;
+        struct glarepp_layer_facts stats;
         struct scene s = scene_sense(motion_frame(shape, i), *kernel,
                                      &motion_sensors);
         *ran = run_way(way, &s, &g, &stats, motion_shapes[shape]);

@@ -369,7 +369,7 @@ static inline void scene_free(struct scene *s)
 
 static inline double scene_rel_l2(const struct scene *s)
 {
-    struct gp_glare_error e;
+    struct glarepp_errors e;
     gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, NULL, &e);
     return e.rel_l2;
 }
@@ -410,7 +410,7 @@ static inline void scene_clear_layer(struct scene *s)
 
 /* Runs the named engine into s->f.layer. */
 static inline gp_status scene_run(const char *engine, struct scene *s,
-    struct gp_glare *g, struct gp_glare_stats *stats)
+    struct gp_glare *g, struct glarepp_layer_facts *stats)
 {
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     p.engine = engine;

@@ -484,10 +484,9 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
     }
     req->stats->fft_w = p.nx;
     req->stats->fft_h = p.ny;
-    req->stats->fft_core[0] = split.core.x;
-    req->stats->fft_core[1] = split.core.y;
-    req->stats->fft_double = split.in_double;
-    req->stats->hot = split.hot_count;
+    req->stats->near[0] = split.core.x;
+    req->stats->near[1] = split.core.y;
+    req->stats->in_double = split.in_double;
 out:
     gp_sources_free(&hot);
     gp_sources_free(&rest);

@@ -118,7 +118,7 @@ static gp_status spread(const struct gp_log *log, const struct residue *r,
     const size_t n = (size_t) w * (size_t) h;
     const struct gp_glare_params p = {.gain = 1.0f, .fft_double = true,
                                       .last = true};
-    struct gp_glare_stats stats = {0};
+    struct glarepp_layer_facts stats = {0};
     struct gp_sources frame = {.w = w, .h = h}, light = {0};
     const struct gp_glare_request req = {
         .log = log, .params = &p, .src = &light, .kernel = kernel,

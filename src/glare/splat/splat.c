@@ -238,13 +238,13 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         GP_TRY(gp_taps_cut(req->log, k, GP_CORE_RADIUS, GP_CORE_RADIUS, &taps));
         GP_TRY(gp_direct_sum(req->log, req->src, &taps, true, req->layer));
     }
-    struct gp_glare_stats *const stats = req->stats;
+    struct glarepp_layer_facts *const stats = req->stats;
     if (p->tail) {
-        stats->groups = p->polygons.groups;
-        stats->clusters = p->polygons.clusters;
-        stats->polygons = p->polygons.n;
+        stats->groups = (long long) p->polygons.groups;
+        stats->clusters = (long long) p->polygons.clusters;
+        stats->polygons = (long long) p->polygons.n;
     }
-    stats->cores = p->core ? req->src->n : 0;
+    stats->cores = p->core ? (long long) req->src->n : 0;
     stats->polygon_pixels = p->polygon_pixels;
     stats->form = forms[form];
     stats->bound = p->bound;

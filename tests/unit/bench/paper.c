@@ -57,7 +57,7 @@ static void light_is_as_it_is_named(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct glarepp_sense_params p = {
-            .threshold = 1.0f, .max_value = 1e9f,
+            .threshold = 1.0f, .whole = true, .max_value = 1e9f,
         };
         struct gp_frame f = paper_scene(rows[i].kind);
         struct gp_sources s = {0};

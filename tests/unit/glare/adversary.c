@@ -87,9 +87,9 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
                            struct scene *s)
 {
     struct gp_glare g = {0};
-    struct gp_glare_error error;
+    struct glarepp_errors error;
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
-    struct gp_glare_stats stats = {0};
+    struct glarepp_layer_facts stats = {0};
     struct gp_pixel_error of;
     void *state = NULL;
     double bound, worst = 0.0;

@@ -13,7 +13,7 @@ static struct gp_planes layer_of(const struct gp_sources *src,
     struct gp_image f = {.data = {0, 0, src->w, src->h}};
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare g = {0};
-    struct gp_glare_stats stats;
+    struct glarepp_layer_facts stats;
     p.engine = engine;
     p.edges = *edges;
     assert_ok(gp_glare_run(NULL, &p, &g, src, k, &f, &stats));

@@ -7,7 +7,7 @@
 /* Runs an engine on one frame alone; false where it cannot run here, or shall
  * not, for want of GL. */
 static bool ran(const char *engine, struct scene *s,
-                struct gp_glare_stats *stats)
+                struct glarepp_layer_facts *stats)
 {
     static bool no_gl;
     struct gp_glare g = {0};
@@ -65,7 +65,7 @@ static void bounds_know_the_range(void **state)
         assert_int_equal(s.k.faint[1] > 0.0, faint);
         assert_int_equal(is_dark(&s), faint);
         for (int i = 0; gp_engines[i]; i++) {
-            struct gp_glare_stats stats;
+            struct glarepp_layer_facts stats;
             if (!ran(gp_engines[i]->name, &s, &stats))
                 continue;
             const double rel_l2 = scene_rel_l2(&s);
@@ -102,7 +102,7 @@ static void overflows_are_limited(void **state)
         gp_image_free(&image);
         struct scene s = scene_sense(f, k, &open_all);
         for (int i = 0; gp_engines[i]; i++) {
-            struct gp_glare_stats stats;
+            struct glarepp_layer_facts stats;
             kept_clear();
             if (!ran(gp_engines[i]->name, &s, &stats))
                 continue;
@@ -122,7 +122,7 @@ static void names_are_checked(void **state)
     struct scene dark = scene_sense(scene_frame(9, 7, 0, 0, DARK, 9u),
                                     scene_kernel(3, 3, MID, 0, PEAK), &usual);
     struct gp_glare g = {0};
-    struct gp_glare_stats stats;
+    struct glarepp_layer_facts stats;
     assert_int_equal(scene_run("ftt", &s, &g, &stats), GP_ERR_USAGE);
     assert_kept("ftt");
     for (int i = 0; gp_engines[i]; i++)

@@ -50,7 +50,7 @@ static void no_light_where_no_light_reaches(void **state)
         struct scene s = scene_sense(f, reaching_kernel((int) i % 6, &seed),
                                      &usual);
         struct gp_glare g = {0};
-        struct gp_glare_stats stats;
+        struct glarepp_layer_facts stats;
         s.exact = scene_alloc(3 * W * H, sizeof *s.exact);
         gp_glare_reference_direct(&s.src, &s.k, s.exact);
         assert_ok(scene_run("fft", &s, &g, &stats));
@@ -115,8 +115,8 @@ static void no_pixel_is_over_its_bound(void **state)
             for (size_t e = 0; e < COUNT(engines); e++) {
                 struct gp_glare_params p = GP_GLARE_DEFAULTS;
                 struct gp_glare g = {0};
-                struct gp_glare_stats stats;
-                struct gp_glare_error error;
+                struct glarepp_layer_facts stats;
+                struct glarepp_errors error;
                 p.engine = engines[e];
                 p.tolerance_pixel = 1e-3f;
                 p.taken = scatter ? &s.src : NULL;
@@ -155,8 +155,8 @@ static void lamps_light_the_dark(void **state)
         scene_make(lamps(), scene_kernel(90, 80, MID, 0, PEAK), &usual);
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare g = {0};
-    struct gp_glare_stats stats;
-    struct gp_glare_error error;
+    struct glarepp_layer_facts stats;
+    struct glarepp_errors error;
     p.engine = "fft";
     p.tolerance_pixel = 1e-3f;
     assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f, &stats));

@@ -10,11 +10,11 @@ static struct scene scene_of(enum light light, int w, int h, int kernel)
                       scene_kernel(kernel, kernel, MID, 0, TINTED), &usual);
 }
 
-static struct gp_glare_stats run_auto(struct scene *s, double tolerance,
+static struct glarepp_layer_facts run_auto(struct scene *s, double tolerance,
                                       double pixel, struct gp_glare *g)
 {
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
-    struct gp_glare_stats stats;
+    struct glarepp_layer_facts stats;
     p.tolerance = (float) tolerance;
     p.tolerance_pixel = (float) pixel;
     kept_clear();
@@ -43,11 +43,11 @@ static void a_frame_alone_decides(void **state)
             const struct row *const r = &rows[pass ? ROWS - 1 - i : i];
             struct scene s = scene_of(r->light, r->w, r->h, r->kernel);
             struct gp_glare own = {0};
-            const struct gp_glare_stats alone = run_auto(&s, 1e-3, 0.0, &own);
+            const struct glarepp_layer_facts alone = run_auto(&s, 1e-3, 0.0, &own);
             const uint64_t hash = scene_hash(&s);
             assert_string_equal(alone.engine, r->engine);
             gp_set_threads(1 + i % 3);
-            const struct gp_glare_stats then = run_auto(&s, 1e-3, 0.0, &all);
+            const struct glarepp_layer_facts then = run_auto(&s, 1e-3, 0.0, &all);
             assert_string_equal(then.why, alone.why);
             assert_true(scene_hash(&s) == hash);
             gp_set_threads(0);
@@ -67,7 +67,7 @@ static void the_tolerance_is_kept_or_a_warning_printed(void **state)
         struct scene s = scene_of(FEW, 97, 61, i / 4 ? 31 : 91);
         struct gp_glare g = {0};
         const double most = tolerance[i % 4];
-        const struct gp_glare_stats stats = run_auto(&s, most, 0.0, &g);
+        const struct glarepp_layer_facts stats = run_auto(&s, most, 0.0, &g);
         const bool within = stats.bound <= (double) (float) most;
         assert_true(scene_rel_l2(&s) <= stats.bound);
         assert_int_equal(within, i % 4 < 2);
@@ -89,7 +89,7 @@ static void a_bound_over_the_tolerance_is_not_taken(void **state)
     struct scene s = scene_of(ALL, 300, 200, 99);
     for (double most = 1e-4; most > 1e-9; most *= 0.7) {
         struct gp_glare g = {0};
-        const struct gp_glare_stats stats = run_auto(&s, most, 0.0, &g);
+        const struct glarepp_layer_facts stats = run_auto(&s, most, 0.0, &g);
         assert_int_equal(kept_warning[0] == '\0',
                          stats.bound <= (double) (float) most);
         gp_glare_close(&g);
@@ -102,11 +102,11 @@ static void a_pixel_may_need_double(void **state)
 {
     struct scene s = scene_of(ALL, 300, 200, 99);
     struct gp_glare g = {0};
-    const struct gp_glare_stats loose = run_auto(&s, 1e-3, 1.0, &g);
-    assert_true(loose.bound_pixel > 0.0 && !loose.fft_double);
-    const struct gp_glare_stats tight =
+    const struct glarepp_layer_facts loose = run_auto(&s, 1e-3, 1.0, &g);
+    assert_true(loose.bound_pixel > 0.0 && !loose.in_double);
+    const struct glarepp_layer_facts tight =
         run_auto(&s, 1e-3, 0.5 * loose.bound_pixel, &g);
-    assert_true(tight.fft_double);
+    assert_true(tight.in_double);
     assert_true(tight.bound_pixel <= 0.5 * loose.bound_pixel);
     assert_non_null(strstr(tight.why, "in double"));
     assert_string_equal(kept_warning, "");

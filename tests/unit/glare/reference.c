@@ -116,7 +116,7 @@ static void one_error_is_what_it_is(void **state)
         const double exact = rows[i].exact, off = (double) rows[i].off;
         const double gain = (double) rows[i].gain;
         struct scene s = measured(8, 4, rows[i].light, exact, (float) exact);
-        struct gp_glare_error e;
+        struct glarepp_errors e;
         s.f.layer.c[rows[i].channel][17] += rows[i].off;
         gp_glare_measure(&s.f, &s.f.layer, s.exact, rows[i].gain, NULL, &e);
         double weight = 0.0;
@@ -145,7 +145,7 @@ static void nan_is_an_error(void **state)
     static const size_t places[] = {0, 7, 14};
     for (int i = 0; i < 9; i++) {
         struct scene s = measured(5, 3, 1.0f, 1.0, 1.0f);
-        struct gp_glare_error e;
+        struct glarepp_errors e;
         s.f.layer.c[i / 3][places[i % 3]] = bad[i % 3];
         gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, NULL, &e);
         assert_true(!(e.rel_l2 <= 1e30));
@@ -164,7 +164,7 @@ static void scattered_light_leaves_the_composite(void **state)
         const struct glarepp_sense_params p = GLAREPP_SENSE_PARAMS;
         const double gain = (double) gains[i];
         struct scene s = measured(8, 4, 0.5f, 2.0, 2.0f);
-        struct gp_glare_error e;
+        struct glarepp_errors e;
         for (int c = 0; c < 3; c++)
             s.f.rgb.c[c][17] = 4.0f; // 3 of it are a source
         assert_ok(gp_sense(NULL, &p, &s.f, &s.src));

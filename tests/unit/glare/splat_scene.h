@@ -10,7 +10,7 @@ enum { PRIMITIVES = 2 };
 static const enum gp_primitive primitives[PRIMITIVES] = {
     GP_PRIMITIVE_QUAD, GP_PRIMITIVE_TILE,
 };
-static struct gp_glare_stats stats; // of the last run
+static struct glarepp_layer_facts stats; // of the last run
 static struct gp_splat_params how = GP_SPLAT_EXACT; // of the next
 
 /* Its centre may be where no kernel that is read has one. */
@@ -40,7 +40,7 @@ static inline gp_status splat(enum gp_gl_api gl, struct scene *s, void **state)
         .log = &kept_log, .params = &params, .src = &s->src, .kernel = &s->k,
         .layer = &s->f.layer, .stats = &stats,
     };
-    stats = (struct gp_glare_stats) {0};
+    stats = (struct glarepp_layer_facts) {0};
     scene_clear_layer(s);
     return gp_engine_splat.run(&req, state);
 }

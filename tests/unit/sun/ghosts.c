@@ -94,7 +94,7 @@ static double add_run(const struct sky *s, const struct gp_ghosts *g,
 {
     struct gp_glare_params params = GP_GLARE_DEFAULTS;
     struct gp_glare glare = {0};
-    struct gp_glare_stats stats;
+    struct glarepp_layer_facts stats;
     struct gp_sources moved;
     struct gp_image f = {.display = s->display};
     const size_t n = (size_t) gp_rect_w(s->data) * (size_t) gp_rect_h(s->data);
