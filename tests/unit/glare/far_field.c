@@ -238,6 +238,6 @@ static void larger_frames_are_refused(void **state)
     drop_tail(&m);
 }
 
-SUITE_OF(tail, NULL, NULL, sums_are_those_of_the_kernel, sums_are_kept,
+SUITE_OF(far_field, NULL, NULL, sums_are_those_of_the_kernel, sums_are_kept,
          discs_have_tails, larger_frames_are_refused)
 
