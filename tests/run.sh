@@ -29,17 +29,17 @@ count()
 {
     local ok not skip
     # (cmocka calls a test that was skipped "not ok N # SKIP")
-    skip=$(grep -cE '^[[:space:]]*((not )?ok [0-9]+|1\.\.0) # (SKIP|skip)' "$2")
-    ok=$(grep -E '^[[:space:]]*ok ' "$2" | grep -ciEv '# skip')
-    not=$(grep -E '^[[:space:]]*not ok ' "$2" | grep -ciEv '# skip')
-    if [ "$3" != 0 ] && [ "$not" = 0 ] || ! grep -qE '^[[:space:]]*(not )?ok |^1\.\.0 # |skipped: ' "$2"; then
+    skip=$(grep -acE '^[[:space:]]*((not )?ok [0-9]+|1\.\.0) # (SKIP|skip)' "$2")
+    ok=$(grep -aE '^[[:space:]]*ok ' "$2" | grep -aciEv '# skip')
+    not=$(grep -aE '^[[:space:]]*not ok ' "$2" | grep -aciEv '# skip')
+    if [ "$3" != 0 ] && [ "$not" = 0 ] || ! grep -aqE '^[[:space:]]*(not )?ok |^1\.\.0 # |skipped: ' "$2"; then
         not=$((not + 1))
     fi
     passed=$((passed + ok)) failed=$((failed + not)) skipped=$((skipped + skip))
     [ "$skip" = 0 ] || reasons "$1" "$2" >>"$log/skipped"
     if [ "$not" != 0 ]; then
         echo "FAILED $1 (status $3); the end of $2:"
-        grep -nE -A6 '^[[:space:]]*not ok ' "$2" | grep -iv '# skip' | head -60
+        grep -anE -A6 '^[[:space:]]*not ok ' "$2" | grep -aiv '# skip' | head -60
         tail -n 12 "$2"
     else
         echo "ok     $1: $ok$([ "$skip" = 0 ] || echo ", $skip skipped")" \

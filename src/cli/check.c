@@ -40,9 +40,10 @@ static struct needs needs_of(const struct gp_settings *s)
     const bool light = gp_lights_wanted(s);
     const bool config = s->tone.map.config != NULL;
     const bool polygons = s->output.debug[GP_DEBUG_POLYGONS] != NULL;
-    const bool mask = sun->p.method == GLAREPP_MASK ||
-                      s->command == GP_COMMAND_BENCH; // runs every method
+    const bool bench = s->command == GP_COMMAND_BENCH; // runs every method
+    const bool mask = sun->p.method == GLAREPP_MASK || bench;
     const char *const engine = s->light.layer.engine;
+    const bool splat = strcmp(engine, "splat") == 0 || polygons || bench;
     const char *const curve = s->tone.map.curve;
     const bool chosen = strcmp(engine, "auto") == 0;
     const char *const input = s->input.files.n ? s->input.files.at[0] : "";
@@ -90,8 +91,7 @@ static struct needs needs_of(const struct gp_settings *s)
          "none; use --tonemap linear", "", ""},
         {config || strcmp(curve, "reinhard-extended") == 0, "does nothing with "
          "--tonemap ", curve, "; use --tonemap reinhard-extended"},
-        {chosen || strcmp(engine, "splat") == 0 || polygons, "does nothing "
-         "with --engine ", engine, "; use --engine splat"},
+        {splat, "does nothing with --engine ", engine, "; use --engine splat"},
         {chosen, "does nothing with --engine ", engine, "; use --engine auto"},
         {stream, "does nothing without an output to stdout; write -o -", "",
          ""},

@@ -44,9 +44,6 @@ static const struct hint hints[] = {
     HINT("layer.in_double", "leave --verify, -k aperture and -k temporal out")
     HINT("layer.mix", "use --mix scatter")
     HINT("layer.tolerance", "raise --tolerance, which may be faster")
-    HINT("layer.tolerance.far", "use --engine direct, which sums the kernel "
-         "without its coarse far part, or raise --tolerance, which may be "
-         "faster")
     HINT("layer.tolerance_pixel", "raise --tolerance-pixel")
     HINT("lens.distance", "give a longer --focus-distance")
     HINT("lens.f_number", "give a larger --f-number")

@@ -259,7 +259,7 @@ enum gp_need {
     GP_NEED_TONES = 1 << 16,      // no --ocio
     GP_NEED_CURVE = 1 << 17,      // --ocio, or a curve other than none
     GP_NEED_EXTENDED = 1 << 18,   // --tonemap reinhard-extended
-    GP_NEED_SPLAT = 1 << 19,      // --engine auto or splat, or --debug polygons
+    GP_NEED_SPLAT = 1 << 19,      // --engine splat, or --debug polygons
     GP_NEED_AUTO = 1 << 20,       // --engine auto
     GP_NEED_STREAM = 1 << 21,     // an output without an ending
     GP_NEED_FILES = 1 << 22,      // an output file

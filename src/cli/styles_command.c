@@ -81,26 +81,29 @@ static void draw_caption(struct sheet *s, int left, int top,
     }
 }
 
-/* Sets pixel `at` to the mean of a data window's samples over [x0, x1) x
- * [y0, y1), in pixels from its corner. */
-static void set_mean(const struct gp_planes *p, int w, int h, double x0,
-                     double y0, double x1, double y1, struct gp_planes *out,
-                     size_t at)
+/* Sets pixel `at` to the mean of the samples of f's data window in a rectangle,
+ * in pixels from the window's corner. */
+static void set_mean(const struct gp_frame *f, const struct gp_planes *p,
+                     const double from[2], const double size[2],
+                     struct gp_planes *out, size_t at)
 {
     double sum[3] = {0};
-    const int last_x = gp_min((int) ceil(x1), w);
-    const int last_y = gp_min((int) ceil(y1), h);
-    for (int y = gp_max((int) floor(y0), 0); y < last_y; y++) {
-        const double high = fmin(y + 1.0, y1) - fmax(y, y0);
-        for (int x = gp_max((int) floor(x0), 0); x < last_x; x++) {
-            const double share = high * (fmin(x + 1.0, x1) - fmax(x, x0));
+    const int w = gp_frame_w(f);
+    const double to[2] = {from[0] + size[0], from[1] + size[1]};
+    const int last_x = gp_min((int) ceil(to[0]), w);
+    const int last_y = gp_min((int) ceil(to[1]), gp_frame_h(f));
+    for (int y = gp_max((int) floor(from[1]), 0); y < last_y; y++) {
+        const double high = fmin(y + 1.0, to[1]) - fmax(y, from[1]);
+        for (int x = gp_max((int) floor(from[0]), 0); x < last_x; x++) {
+            const double share =
+                high * (fmin(x + 1.0, to[0]) - fmax(x, from[0]));
             for (int c = 0; c < 3; c++)
                 sum[c] += share * (double) p->c[c][(size_t) y * (size_t) w +
                                                    (size_t) x];
         }
     }
     for (int c = 0; c < 3; c++)
-        out->c[c][at] = (float) (sum[c] / ((x1 - x0) * (y1 - y0)));
+        out->c[c][at] = (float) (sum[c] / (size[0] * size[1]));
 }
 
 /* Makes the sheet for tiles of f's display window. */
@@ -132,15 +135,15 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
         return st;
     const int left = GAP + s->i % s->columns * (s->w + GAP);
     const int top = GAP + s->i / s->columns * (s->h + LINE + GAP);
-    const double across = (double) gp_rect_w(f->display) / s->w;
-    const double down = (double) gp_rect_h(f->display) / s->h;
+    const double size[2] = {(double) gp_rect_w(f->display) / s->w,
+                            (double) gp_rect_h(f->display) / s->h};
     const int dx = f->display.x0 - f->data.x0, dy = f->display.y0 - f->data.y0;
     for (int y = 0; y < s->h; y++) {
         for (int x = 0; x < s->w; x++) {
             const size_t at = (size_t) (top + LINE + y) *
                                   (size_t) sheet_w(s) + (size_t) (left + x);
-            set_mean(picture, gp_frame_w(f), gp_frame_h(f), dx + x * across,
-                     dy + y * down, dx + (x + 1) * across, dy + (y + 1) * down,
+            set_mean(f, picture,
+                     (double[2]) {dx + x * size[0], dy + y * size[1]}, size,
                      &s->planes, at);
         }
     }

@@ -100,7 +100,7 @@ static gp_status find_choice(const struct gp_glare_request *req,
 }
 
 /* Takes `direct` of the kernel with its tail, sample by sample, where that
- * keeps the tolerances. */
+ * keeps the tolerances, or leaves less than half of what is over them. */
 static gp_status try_whole(const struct gp_glare_request *req,
     struct gp_glare *g, const struct gp_pixel_floor *floor,
     struct gp_choice *out)
@@ -118,7 +118,9 @@ static gp_status try_whole(const struct gp_glare_request *req,
     gp_status st = gp_error_floor_find(&whole, &whole.floor);
     if (!st)
         st = find_bounds(&whole, g, &own, &c);
-    if (!st && is_within(req->params, &c))
+    if (!st && (is_within(req->params, &c) ||
+                2.0 * worse_bound(req->params, &c) <
+                    worse_bound(req->params, out)))
         *out = c;
     return st;
 }
@@ -159,8 +161,7 @@ static void warn(const struct gp_glare_request *req, const char *path,
                   "lowest bound is %.2g, of %s, which runs)", path,
                   (double) p->tolerance_pixel, c->pixel, name);
     else
-        gp_say_at(req->log, GP_LEVEL_WARN,
-                  req->kernel->tail ? "layer.tolerance.far" : "layer.tolerance",
+        gp_say_at(req->log, GP_LEVEL_WARN, "layer.tolerance",
                   "%s: no engine guarantees a tolerance of %.3g (the lowest "
                   "bound is %.2g, of %s, which runs)", path,
                   (double) p->tolerance, c->bound, name);

@@ -159,7 +159,7 @@ no 'and so are parts whose name is that of the layer' cmp -s plain.png dark.png
 # -- the street's lamps, each rendered by itself ---------------------------------
 
 # lamp3 lights thin things, of whose pixels the renderer took 24 places: the noise
-# of that is more than 0.05 in two frames (build/tests/scene relight_noise)
+# of that is more than 0.05 in two frames
 cat >rows <<'ROWS'
 lamp2 1001 0.05
 lamp3 1001 0.07

@@ -10,34 +10,38 @@
 
 // -- places on the torus ------------------------------------------------------
 
-/* One axis: sources [in0, in1), kernel offsets [-c, w - 1 - c], frame [0, n).
- * Returns the least period. */
-static int place_axis(int in0, int in1, int c, int w, int n, int *out0,
-                      int *out1, int *tap0, int *tap1)
+struct axis {
+    int out0, out1, tap0, tap1;
+    int period; // the least
+};
+
+/* One axis: sources [in0, in1), kernel offsets [-c, w - 1 - c], frame [0, n). */
+static struct axis place_axis(int in0, int in1, int c, int w, int n)
 {
-    *out0 = gp_max(0, in0 - c);
-    *out1 = gp_min(n, in1 + w - 1 - c);
-    if (*out1 <= *out0) // nothing of the kernel reaches the frame
-        *out1 = *out0 = 0;
-    *tap0 = gp_max(-c, *out0 - (in1 - 1));
-    *tap1 = gp_min(w - c, *out1 - in0);
-    const int right = in1 - 1 + *tap1 - 1 - *out0; // wraps to the left end
-    const int left = *out1 - 1 - (in0 + *tap0);
-    return gp_max(gp_max(right, left) + 1, gp_max(in1 - in0, *tap1 - *tap0));
+    struct axis a = {gp_max(0, in0 - c), gp_min(n, in1 + w - 1 - c), 0, 0, 0};
+    if (a.out1 <= a.out0) // nothing of the kernel reaches the frame
+        a.out1 = a.out0 = 0;
+    a.tap0 = gp_max(-c, a.out0 - (in1 - 1));
+    a.tap1 = gp_min(w - c, a.out1 - in0);
+    const int right = in1 - 1 + a.tap1 - 1 - a.out0; // wraps to the left end
+    const int left = a.out1 - 1 - (in0 + a.tap0);
+    a.period = gp_max(gp_max(right, left) + 1,
+                      gp_max(in1 - in0, a.tap1 - a.tap0));
+    return a;
 }
 
 struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
                                    const struct gp_kernel *k)
 {
     struct gp_fft_placing p = {.in = s->box};
-    const int x = place_axis(p.in.x0, p.in.x1, k->cx, k->w, s->w, &p.out.x0,
-                             &p.out.x1, &p.taps.x0, &p.taps.x1);
-    const int y = place_axis(p.in.y0, p.in.y1, k->cy, k->h, s->h, &p.out.y0,
-                             &p.out.y1, &p.taps.y0, &p.taps.y1);
+    const struct axis x = place_axis(p.in.x0, p.in.x1, k->cx, k->w, s->w);
+    const struct axis y = place_axis(p.in.y0, p.in.y1, k->cy, k->h, s->h);
+    p.out = (struct gp_rect) {x.out0, y.out0, x.out1, y.out1};
+    p.taps = (struct gp_rect) {x.tap0, y.tap0, x.tap1, y.tap1};
     if (!gp_rect_empty(p.out)) {
         // by the frame's rows: lights that come and go change no length
-        p.ny = gp_fft_column_length(y);
-        p.nx = gp_fft_row_length(x, s->h, p.ny);
+        p.ny = gp_fft_column_length(y.period);
+        p.nx = gp_fft_row_length(x.period, s->h, p.ny);
     }
     return p;
 }
