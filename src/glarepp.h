@@ -21,13 +21,16 @@
  *
  * Parameters are structs. Start from the macro of the same name, which has the
  * defaults and the struct's size: fields are added at the end, and a caller of
- * an older header gets their defaults. A NULL struct stands for its defaults.
+ * an older header gets their defaults. NULL stands for the defaults. Structs
+ * without a size, and an image, grow only with another libglarepp.so.N. Pointers
+ * are never NULL but where it is said; numbers are finite.
  *
  * Functions that can fail return an enum glarepp_status as int, 0 for success.
  * An object comes out through the last pointer, which is NULL after a failure.
  * Ends take the address of a pointer, set it to NULL, and do nothing for NULL.
- * No call prints, exits, reads the environment, touches a signal, the locale or
- * a file but those whose path it is given.
+ * No call prints, exits, reads the environment (OpenColorIO and Mesa read their
+ * own variables), touches a signal, or a file but those whose path it is given.
+ * In a call the thread has the C locale, and its own again after it.
  *
  * Threads: two contexts may be used from two threads at once. Of one context,
  * plans and frames may be used from several threads as long as each frame is in
@@ -96,13 +99,13 @@ struct glarepp_label;
 
 struct glarepp_params {
     size_t size;
-    int threads;           // 0: one a processor
+    int threads;           // to 1024; 0: one a processor
     enum glarepp_level level; // messages beyond it are dropped
     /* Receives messages, in any thread that is in a call. NULL: none are
      * wanted; glarepp_error() has the last error in any case. */
     void (*message)(void *user, const struct glarepp_message *m);
-    /* Called between steps with their name and the share of the call that is
-     * done, 0 to 1; true ends the call with GLAREPP_ERR_CANCELLED. */
+    /* Called before each step of a frame with its name and the share of them
+     * that is done, 0 to 1; true ends the call with GLAREPP_ERR_CANCELLED. */
     bool (*progress)(void *user, const char *step, double done);
     /* Decodes a picture into *out, and what the file says of a kernel into
      * *label (zero before). Planes stay until release(). NULL: recipes, flares
@@ -118,7 +121,7 @@ struct glarepp_params {
     const char *osmesa, *egl; // GL library files; NULL: the system's
     int gl_size;           // largest side of a GL texture; 0: the driver's
     bool keep_memory;      // keeps the pages of freed planes for the next ones,
-                           // in all contexts of the process
+                           // of all contexts, as long as this one is open
 };
 #define GLAREPP_PARAMS                                                        \
     { sizeof(struct glarepp_params), 0, GLAREPP_WARNING, NULL, NULL, NULL,    \
@@ -135,7 +138,7 @@ void glarepp_close(struct glarepp **gp);
 /* Counts this thread among those at work in a context until glarepp_leave(), and
  * waits while as many others as it has threads are. Calls do so by themselves;
  * a caller with threads of its own, which works in them between calls, does it
- * once around both. */
+ * once around both. A thread that enters a context leaves any other. */
 void glarepp_enter(struct glarepp *gp);
 void glarepp_leave(struct glarepp *gp);
 
@@ -218,8 +221,8 @@ struct glarepp_kernel_params {
 struct glarepp_kernel;
 
 /* Reads recipes, and images by params.picture. Copies all that it needs.
- * Errors: USAGE no such model or key, or a value out of its range; DATA an image
- * without light, or with NaN; those of params.picture. */
+ * Errors: USAGE no such model or key, or a value out of its range; those of
+ * params.picture. An image without light or with NaN is one of glarepp_plan(). */
 int glarepp_kernel(struct glarepp *gp,
     const struct glarepp_kernel_params *p, struct glarepp_kernel **out);
 void glarepp_kernel_end(struct glarepp_kernel **kernel);
@@ -239,8 +242,8 @@ bool glarepp_kernel_path(const char *word, char *path, size_t room);
 
 /* The frames that kernels are drawn for. */
 struct glarepp_field {
-    int w, h;              // pixels of the frame
-    double fov;            // degrees, of its height; 0: 30
+    int w, h;              // pixels of the frame, 1 to 2^20
+    double fov;            // degrees, of its height, to 180; 0: 30
     double aspect;         // width of a pixel over its height; 0: 1
     double rotate;         // degrees, counter-clockwise as seen
     const float *primaries; // NULL: BT.709
@@ -331,7 +334,7 @@ struct glarepp_sense_params {
     enum glarepp_threshold unit;
     bool whole;         // the whole colour (Ando et al. 2007, section 3.1);
                         // else the part over T, rgb (Y - T) / Y
-    float knee;         // of `whole`: smooth ramp from T (1 - k) to T (1 + k)
+    float knee;         // of `whole`: ramp from T (1 - k) to T (1 + k); 0 to 1
     float max_value;    // pixels over it are scaled down to it; 0: no limit
 };
 #define GLAREPP_SENSE_PARAMS                                                  \
@@ -349,17 +352,17 @@ enum glarepp_gl { GLAREPP_GL_AUTO, GLAREPP_OSMESA, GLAREPP_EGL };
 struct glarepp_layer_params {
     size_t size;
     const char *engine;    // of GLAREPP_ENGINES
-    float tolerance;       // of rel_l2, for "auto"
-    float tolerance_pixel; // of max_rel, for "auto"; 0: none
+    float tolerance;       // of rel_l2, for "auto"; 0 to 1
+    float tolerance_pixel; // of max_rel, for "auto"; 0 to 1, 0: none
     bool in_double;        // transforms in double whatever the frame needs
-    float gain;            // >= 0
+    float gain;            // 0 to 1e6
     enum glarepp_mix mix;
     enum glarepp_edges edges;
     enum glarepp_gl gl;    // of engine "splat" and of masks
     // Ando et al. 2007, sections 4.1 to 4.3
-    int group, cluster;    // pixels a side, powers of two; 1 and 0: off
+    int group, cluster;    // pixels a side, powers of two to 64; 1 and 0: off
     float cluster_fill;    // bright share from which an area is one polygon
-    float shrink;          // share of light that polygons may leave out
+    float shrink;          // share of light that polygons may leave out, to 0.99
     bool measure;          // measures FFTW's plans instead of estimating them,
     const char *wisdom;    // and keeps them in this file; NULL: nowhere
 };
@@ -377,10 +380,10 @@ struct glarepp_light {
     enum glarepp_place place;
     double at[3];       // pixel x, y; point of the world; direction to it
     double radius;      // pixels; < 0: by `degrees` or `ball`, else 0.5
-    double degrees;     // across, of a direction
+    double degrees;     // across, of a direction; 0 to 90
     double ball;        // radius of a lamp in the world's units; 0: none
     double depth;       // nearer surfaces hide it; NAN: by its place
-    double bias;        // share of depth that may be nearer and hides nothing
+    double bias;        // share of depth, to 1, that may be nearer: hides nothing
     float flux[3];      // scene-linear, summed over pixels; 0: no glare of its
                         // own, no flare
     char name[64];
@@ -405,7 +408,7 @@ struct glarepp_light_params {
     size_t size;
     const struct glarepp_light *light; // `lights` of them
     int lights;
-    const char *file;      // JSON of more; NULL: none. Its form: man/sun.md
+    const char *file;      // JSON of more; NULL: none; man/lights.md
     const char *cameras;   // JSON of a camera, maybe a sun, for each frame
     struct glarepp_light sun; // of that sun all but its place
     const char *flare;     // elements drawn for lights or bright pixels: JSON,
@@ -417,7 +420,7 @@ struct glarepp_light_params {
     enum glarepp_ndc ndc;  // range of the frame's matrix
     bool in_frame;         // the pixels hold the lights: no glare is added
     bool needed;           // a frame without a light is an error
-    float adapt;           // share of the picture that a clear light dims
+    float adapt;           // share of the picture that a clear light dims, to 1
     int side;              // of a mask, texels, 2 to 256, even
     bool square, bytes;    // of a mask: pattern; summed in 8 bits
     bool faded;            // a flare of lights may have none with flux
@@ -432,8 +435,8 @@ struct glarepp_light_params {
 struct glarepp_lens_params {
     size_t size;
     const char *lens;      // prescription: JSON, or an installed name
-    double sensor;         // mm, width of the display window on it; 0: by the
-                           // frame
+    double sensor;         // mm, width of the display window on it, to 1e4; 0:
+                           // by the frame
     double distance;       // m; 0: by the frame, else far
     double f_number;       // 0: by the frame, else the lens's own
     int detail;            // of meshes: 1 coarse, 2 fine, 3 the finest, many
@@ -472,7 +475,7 @@ struct glarepp_tone_params {
     float key;             // (0, 1]
     float white;           // of reinhard-extended; 0: the frame's maximum
     // OpenColorIO in the curve's place
-    const char *config;    // file or ocio://NAME, "": $OCIO; NULL: no OCIO
+    const char *config;    // file or ocio://NAME; NULL: no OCIO
     const char *input, *display, *view, *look; // NULL: the config's defaults
     const char *output;    // space of the lit frame; NULL: its own
     const char *const *context; // `contexts` of NAME=VALUE
@@ -491,7 +494,7 @@ struct glarepp_plan_params {
     size_t size;
     const struct glarepp_kernel *kernel; // must outlive the plan; NULL:
                                          // builtin:eye
-    double fov;            // vertical angle of the display window, degrees; 0:
+    double fov;            // vertical angle of the display window, to 180; 0:
                            // that of its camera, lens or scene, else 30
     double rotate;         // of the kernel, degrees counter-clockwise
     const struct glarepp_sense_params *sense;
@@ -531,8 +534,8 @@ glarepp_plan_facts(const struct glarepp_plan *plan);
 /* Adds glare: sources, layer and composing in one call.
  *   in   not changed, unless it is `out` or overlaps it
  *   out  of the same windows; the lit picture, scene-linear, of its own type
- *   facts  NULL: not wanted; its pointers are valid until the plan's next call
- *          in this thread
+ *   facts  NULL: not wanted. It has no list of lights and no recipes; what it
+ *          points to stays as long as the plan
  * Errors: USAGE images that do not fit; DATA; GL of engine "splat"; CANCELLED:
  * `out` is unchanged; BUG. */
 struct glarepp_facts;
@@ -578,7 +581,8 @@ struct glarepp_frame_params {
 
 struct glarepp_frame;
 
-/* Begins a frame. Any thread may begin and end it. */
+/* Begins a frame. Any thread may begin and end it. Errors: USAGE an image that is
+ * none, or a group of another window; BUG. */
 int glarepp_frame(struct glarepp_plan *plan,
     const struct glarepp_frame_params *p, struct glarepp_frame **out);
 void glarepp_frame_end(struct glarepp_frame **frame);
@@ -608,8 +612,10 @@ enum glarepp_step {
 };
 
 /* Runs a step. Steps before it that others do not need may be left out: without
- * LAYER, COMPOSE gives the frame as it is.
- * Errors: those of the plan's parts; CANCELLED. */
+ * LAYER, COMPOSE gives the frame as it is. A step may run again, which undoes
+ * those after it; RELIGHT may not, nor FLARE and LENS without a new LAYER.
+ * Errors: those of the plan's parts; USAGE one that it needs was not run;
+ * CANCELLED. */
 int glarepp_frame_run(struct glarepp_frame *frame,
                                   enum glarepp_step step);
 

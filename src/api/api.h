@@ -1,6 +1,7 @@
 /* The library's handles, and steps that every call takes.
  *
  *   context.c  contexts, messages, lists of names
+ *   params.c   ranges of parameters
  *   image.c    views of a caller's pixels
  *   kernel.c   kernels: words and images, drawing, checks
  *   plan.c     plans: parameters of the rooms, and what frames share
@@ -49,10 +50,23 @@ struct gp_log gp_api_log(struct gp_api_sink *sink);
 GP_MUST_CHECK gp_status gp_api_progress(const struct glarepp *gp,
                                         const char *step, double done);
 
+/* Names the parameter of this call's errors from here on that name none, as
+ * gp_api_params() does; NULL leaves it. Returns it. */
+const char *gp_api_about(const char *parameter);
+
 /* Copies a caller's parameters, of whatever size, over the defaults in *to.
- * `from` may be NULL. Errors: GP_ERR_USAGE a size that no version has. */
+ * `from` may be NULL. Errors: GP_ERR_USAGE a size that no version has; those of
+ * gp_api_check(). */
 GP_MUST_CHECK gp_status gp_api_params(const struct gp_log *log,
     const char *name, void *to, size_t size, const void *from);
+
+/* Checks each field of the struct that has a range: "layer", "light", ... Errors:
+ * GP_ERR_USAGE a field, by its name. */
+GP_MUST_CHECK gp_status gp_api_check(const struct gp_log *log,
+                                     const char *name, const void *params);
+
+/* Notes an error whose message the caller has printed. */
+void gp_api_note(gp_status status, const char *parameter, const char *text);
 
 /* Asks the caller to decode a picture; *out has planes of its own.
  * Errors: GP_ERR_USAGE no picture callback; its own. */

@@ -37,6 +37,13 @@ const struct glarepp_message *glarepp_error(void)
     return &m;
 }
 
+void gp_api_note(gp_status status, const char *parameter, const char *text)
+{
+    last.status = (int) status;
+    snprintf(last.parameter, sizeof last.parameter, "%s", parameter);
+    snprintf(last.text, sizeof last.text, "%s", text);
+}
+
 static void receive(void *user, const struct gp_line *line)
 {
     const struct gp_api_sink *const sink = user;
@@ -53,11 +60,10 @@ static void receive(void *user, const struct gp_line *line)
         snprintf(named, sizeof named, "%s: %s", sink->name, line->text);
         m.text = named;
     }
-    if (m.level == GLAREPP_ERROR) {
-        last.status = m.status;
-        snprintf(last.parameter, sizeof last.parameter, "%s", m.parameter);
-        snprintf(last.text, sizeof last.text, "%s", m.text);
-    }
+    if (m.level == GLAREPP_ERROR && !*m.parameter)
+        m.parameter = gp_api_about(NULL);
+    if (m.level == GLAREPP_ERROR)
+        gp_api_note(line->status, m.parameter, m.text);
     if (p->message)
         p->message(p->user, &m);
 }
@@ -77,22 +83,6 @@ gp_status gp_api_progress(const struct glarepp *gp, const char *step,
                : GP_OK;
 }
 
-gp_status gp_api_params(const struct gp_log *log, const char *name, void *to,
-                        size_t size, const void *from)
-{
-    size_t given = size;
-    if (!from)
-        return GP_OK;
-    memcpy(&given, from, sizeof given);
-    if (given < sizeof given || given > size)
-        return gp_fail_at(log, GP_ERR_USAGE, name, "%s: its size is that of no "
-                          "version up to " GP_VERSION " (found %zu)", name,
-                          given);
-    memcpy(to, from, given);
-    memcpy(to, &size, sizeof size);
-    return GP_OK;
-}
-
 // -- calls --------------------------------------------------------------------
 
 /* Contexts that this thread has entered, the last one first: only calls of
@@ -102,6 +92,7 @@ static _Thread_local struct glarepp *inside;
 struct glarepp *gp_api_begin(struct glarepp *gp)
 {
     struct glarepp *const outer = inside;
+    gp_api_about("");
     gp_env_use(&gp->env);
     if (outer != gp)
         gp_parallel_enter();
@@ -118,15 +109,17 @@ int gp_api_end(struct glarepp *outer, gp_status st)
     return (int) st;
 }
 
-void glarepp_enter(struct glarepp *gp)
-{
-    (void) gp_api_begin(gp);
-}
-
 void glarepp_leave(struct glarepp *gp)
 {
-    (void) gp;
-    (void) gp_api_end(NULL, GP_OK);
+    if (inside == gp)
+        (void) gp_api_end(NULL, GP_OK);
+}
+
+void glarepp_enter(struct glarepp *gp)
+{
+    if (inside != gp)
+        glarepp_leave(inside);
+    (void) gp_api_begin(gp);
 }
 
 // -- contexts -----------------------------------------------------------------
@@ -160,18 +153,18 @@ int glarepp_open(const struct glarepp_params *p, struct glarepp **out)
     gp->sink.gp = gp;
     gp->params = own;
     gp->log = gp_api_log(&gp->sink);
-    if (own.threads < 0)
-        GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "params.threads", "threads: "
-                          "a negative number (found %d)", own.threads));
+    if (own.keep_memory)
+        gp_keep_memory(true);
     GP_TRY(keep_texts(&gp->log, gp));
     gp->env = (struct gp_env) {
         .bridges = gp->params.bridges, .data = gp->params.data,
         .osmesa = gp->params.osmesa, .egl = gp->params.egl,
         .gl_size = own.gl_size,
+        .locale = newlocale(LC_ALL_MASK, "C", (locale_t) 0),
     };
+    if (!gp->env.locale)
+        GP_TRY(gp_no_memory_bare(&gp->log, "context"));
     GP_TRY(gp_pool_make(&gp->log, own.threads, &gp->env.pool));
-    if (own.keep_memory)
-        gp_keep_memory();
     *out = gp;
     gp = NULL;
 out:
@@ -185,10 +178,14 @@ void glarepp_close(struct glarepp **context)
     if (!gp)
         return;
     gp_pool_free(&gp->env.pool);
+    if (gp->env.locale)
+        freelocale(gp->env.locale);
     for (int i = 0; i < 4; i++)
         free(gp->text[i]);
     for (int i = 0; i < 2; i++)
         free(gp->list[i]);
+    if (gp->params.keep_memory)
+        gp_keep_memory(false);
     GP_FREE(*context);
 }
 

@@ -18,10 +18,6 @@ static gp_status import_groups(struct glarepp_frame *f,
                                const struct glarepp_frame_params *p)
 {
     gp_status st;
-    if (p->groups < 0)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.groups", "%s: a number "
-                          "of light groups under 0 (found %d)", f->sink.name,
-                          p->groups);
     GP_TRY(gp_alloc_zero(&f->log, "light groups", (size_t) p->groups + 1,
                          sizeof *f->converted, &f->converted));
     GP_TRY(gp_alloc_zero(&f->log, "light groups", (size_t) p->groups + 1,
@@ -31,6 +27,11 @@ static gp_status import_groups(struct glarepp_frame *f,
         GP_TRY(gp_api_import(&f->log, &p->group[f->groups], p->in_place,
                              &g->image));
         g->borrowed = g->image.rgb.c[0] == p->group[f->groups].plane[0];
+        if (memcmp(&g->image.data, &f->image.data, sizeof f->image.data) != 0) {
+            f->groups++; // to be freed
+            return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.group", "%s: its "
+                              "window is not the frame's", g->image.path);
+        }
     }
 out:
     return st;
@@ -251,6 +252,8 @@ static gp_status draw_polygons(struct glarepp_frame *f)
     const struct gp_planes *const under =
         f->image.shown.c[0] ? &f->image.shown : &f->image.lit;
     gp_status st = GP_OK;
+    if (!under->c[0]) // COMPOSE was not run
+        return GP_OK;
     if (!f->polygons.c[0])
         st = gp_planes_make(&f->log, "polygons", n, &f->polygons);
     for (int c = 0; c < 3 && !st; c++)
@@ -267,7 +270,7 @@ static gp_status draw_map(struct glarepp_frame *f, bool intensity,
 {
     if (p->planes.c[0])
         return GP_OK;
-    if (!f->work || !f->work->lights)
+    if (!f->work || !f->work->lights || !(f->ran & 1u << GLAREPP_SHARES))
         return gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: maps of lights "
                           "are there between the steps SHARES and DONE",
                           f->sink.name);
@@ -298,8 +301,10 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
     if (view == GLAREPP_OUTPUT && f->plan->converts)
         GP_TRY(convert(f, group));
     if (view == GLAREPP_OUTPUT)
-        planes = f->plan->converts ? &f->converted[group] : &image->lit;
-    if (view == GLAREPP_SOURCES && !planes->c[0])
+        planes = f->plan->converts ? &f->converted[group]
+                 : f->composed     ? &image->lit : &image->rgb;
+    if (view == GLAREPP_SOURCES && !planes->c[0] &&
+        f->ran & 1u << GLAREPP_SENSE)
         GP_TRY(gp_sources_planes(&f->log, &f->sources, &f->sources_shown));
     if (view == GLAREPP_POLYGONS)
         GP_TRY(draw_polygons(f));

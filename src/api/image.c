@@ -45,6 +45,9 @@ static gp_status check_view(const struct gp_log *log,
         return gp_fail_at(log, GP_ERR_USAGE, "image", "%s: its size is that of "
                           "no version up to " GP_VERSION " (found %zu)", name,
                           view->size);
+    if (view->type > GLAREPP_HALF)
+        return gp_fail_at(log, GP_ERR_USAGE, "image.type", "%s: samples are "
+                          "float or half (found %d)", name, (int) view->type);
     if (w < 1 || h < 1 || w > MOST || h > MOST || w * h > INT32_MAX)
         return gp_fail_at(log, GP_ERR_USAGE, "image.data", "%s: no window of "
                           "pixels (found %lld x %lld)", name, w, h);
@@ -178,8 +181,10 @@ gp_status gp_api_picture(struct glarepp *gp, const struct gp_log *log,
         return gp_fail_at(log, GP_ERR_USAGE, "params.picture", "%s: a picture, "
                           "and there is no callback to decode it", path);
     gp_status st = (gp_status) p->picture(p->user, &what, &image, &own);
-    if (st)
-        return st; // its message is the caller's
+    if (st) { // its message is the caller's
+        gp_api_note(st, "params.picture", path);
+        return st;
+    }
     if (!image.name)
         image.name = path;
     st = gp_api_import(log, &image, false, out);

@@ -51,9 +51,11 @@ static gp_status read_request(struct glarepp *gp,
     gp_status st;
     r->percent = p->percent;
     r->degrees = p->degrees;
-    if (words < 0 || words > GP_RECIPES)
-        return gp_fail_at(&gp->log, GP_ERR_USAGE, "kernel.words", "kernels: too "
-                          "many (found %d); give up to %d", words, GP_RECIPES);
+    for (int i = 0; i < words; i++) {
+        if (!word[i])
+            return gp_fail_at(&gp->log, GP_ERR_USAGE, "kernel.word", "kernel: "
+                              "word %d is missing (found NULL)", i);
+    }
     if (!(p->percent > 0.0) && !(p->degrees > 0.0))
         return gp_fail_at(&gp->log, GP_ERR_USAGE, "kernel.percent", "kernel: no "
                           "size (found %g %%)", p->percent);
@@ -176,7 +178,8 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
     if (!r->recipes)
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "kernel.word", "kernel: an image, "
                           "which has its samples already"));
-    if (w < 1 || h < 1 || w * h > field->most)
+    GP_TRY(gp_api_check(log, "field", field));
+    if (w * h > field->most)
         GP_TRY(gp_fail_at(log, GP_ERR_DATA, "field.most", "%s: the kernel is "
                           "too large (%lldx%lld, at most %lld pixels)",
                           field->name ? field->name : "kernel", w, h,

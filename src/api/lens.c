@@ -181,6 +181,7 @@ int glarepp_lens(struct glarepp *gp, const char *lens, struct glarepp_lens *out)
     struct gp_lens_figures figures;
     struct own *own = NULL;
     gp_status st;
+    gp_api_about("lens");
     memset(out, 0, sizeof *out);
     GP_TRY(gp_alloc_zero(&gp->log, "lens", 1, sizeof *own, &own));
     out->own = own;

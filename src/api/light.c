@@ -17,6 +17,7 @@ static gp_status read_picture(void *user, const struct gp_log *log,
 gp_status gp_api_lights_begin(struct glarepp_plan *plan,
                               struct gp_api_work *work)
 {
+    gp_api_about("lights");
     const gp_status st = gp_alloc_zero(&plan->log, "lights", 1,
                                        sizeof *work->lights, &work->lights);
     return st ? st

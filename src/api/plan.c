@@ -57,9 +57,15 @@ static gp_status keep_list(struct glarepp_plan *plan,
 static gp_status take_sense(struct glarepp_plan *plan,
                             const struct glarepp_sense_params *from)
 {
-    plan->sense = (struct glarepp_sense_params) GLAREPP_SENSE_PARAMS;
-    return gp_api_params(&plan->log, "sense", &plan->sense, sizeof plan->sense,
-                         from);
+    struct glarepp_sense_params p = GLAREPP_SENSE_PARAMS;
+    const gp_status st = gp_api_params(&plan->log, "sense", &p, sizeof p, from);
+    plan->sense = p;
+    return st || p.unit == GLAREPP_EV || (p.threshold >= 0.0f &&
+               (p.unit == GLAREPP_LUMINANCE || p.threshold <= 100.0f))
+               ? st
+               : gp_fail_at(&plan->log, GP_ERR_USAGE, "sense.threshold", "sense: "
+                            "a threshold that its unit has not (found %g)",
+                            (double) p.threshold);
 }
 
 static gp_status take_layer(struct glarepp_plan *plan,
@@ -103,18 +109,19 @@ static gp_status take_lights(struct glarepp_plan *plan,
     gp_status st = gp_api_params(&plan->log, "lights", &p, sizeof p, from);
     if (st)
         return st;
-    if (p.lights < 0 || p.lights > GP_LIGHTS_MAX)
-        return gp_fail_at(&plan->log, GP_ERR_USAGE, "lights.lights", "lights: "
-                          "too many (found %d); the limit is %d", p.lights,
-                          GP_LIGHTS_MAX);
+    if (p.side % 2)
+        return gp_fail_at(&plan->log, GP_ERR_USAGE, "lights.side", "lights: a "
+                          "mask of an odd side (found %d)", p.side);
     light = calloc((size_t) p.lights + 1, sizeof *light);
     GP_TRY(own(plan, light));
     for (int i = 0; i < p.lights; i++) {
         light[i] = p.light[i];
         light[i].name[sizeof light[i].name - 1] = '\0';
+        GP_TRY(gp_api_check(&plan->log, "light", &light[i]));
     }
     p.light = light;
     p.sun.name[sizeof p.sun.name - 1] = '\0';
+    GP_TRY(gp_api_check(&plan->log, "light", &p.sun));
     plan->lit = p.lights || p.file || p.cameras;
     GP_TRY(keep(plan, &p.file));
     GP_TRY(keep(plan, &p.cameras));
@@ -161,7 +168,13 @@ static gp_status take_tone(struct glarepp_plan *plan,
     GP_TRY(keep(plan, &p.curve));
     plan->tone = p;
     plan->converts = p.config && p.output;
-    if (p.config)
+    int i = 0;
+    while (gp_tone_curves[i] && strcmp(gp_tone_curves[i]->name, p.curve) != 0)
+        i++;
+    if (!gp_tone_curves[i] && !p.config)
+        st = gp_fail_at(&plan->log, GP_ERR_USAGE, "tone.curve", "tone: no curve "
+                        "has this name (found %s)", p.curve);
+    else if (p.config)
         st = gp_ocio_open(&plan->log, &p, &plan->ocio);
 out:
     return st;
@@ -183,6 +196,7 @@ static gp_status take_kernel(struct glarepp_plan *plan,
     struct gp_made_kernel *first;
     gp_status st = GP_OK;
     bool made;
+    gp_api_about("kernel");
     if (!p->kernel)
         st = (gp_status) glarepp_kernel(plan->gp, NULL, &plan->own);
     if (st)
@@ -212,6 +226,7 @@ static gp_status open_lens(struct glarepp_plan *plan)
     gp_status st;
     if (!p->lens)
         return GP_OK;
+    gp_api_about("lens");
     st = gp_lens_read(&plan->log, p->lens, &plan->lens);
     if (st)
         return st;
@@ -331,6 +346,9 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
     GP_TRY(take_lights(plan, p.lights));
     GP_TRY(take_lens(plan, p.lens));
     GP_TRY(take_scene(plan, p.scene));
+    if (plan->sun.outside == GLAREPP_BY_SCENE && !plan->scene.path)
+        GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "lights.outside", "lights: "
+                          "shares by a scene, and there is none"));
     GP_TRY(take_kernel(plan, &p));
     GP_TRY(take_tone(plan, p.tone));
     GP_TRY(gp_api_lend(plan, &work)); // so that errors of it come first

@@ -153,6 +153,7 @@ struct glarepp_frame {
     double mean, white;            // luminance of the picture, and of scene
                                    // value 1 in cd/m2, for eyes
     struct gp_made_kernel *kernel; // held; NULL: none was needed
+    unsigned ran;                  // bits of steps since those before them
     bool composed;                 // image.lit was made
     struct gp_planes *converted;   // lit, in the output space, of the frame and
                                    // of its groups; owned

@@ -70,6 +70,7 @@ gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
     const struct gp_log *const log = &plan->log;
     struct gp_api_scene *own;
     gp_status st;
+    gp_api_about("scene");
     GP_TRY(gp_alloc_zero(log, "scene", 1, sizeof *own, &work->scene));
     own = work->scene;
     GP_TRY(gp_api_scene_read(plan->gp, log, p->path, p->up, &own->scene));

@@ -20,28 +20,6 @@ struct own {
     double (*depth)[2];
 };
 
-static gp_status check(const struct gp_log *log,
-                       const struct glarepp_sets_params *p)
-{
-    const struct {
-        const char *name;
-        double v, least;
-    } number[] = {
-        {"sets.w", p->w, 1}, {"sets.h", p->h, 1}, {"sets.map", p->map, 8},
-        {"sets.runs", p->runs, 1}, {"sets.occluders", p->occluders, 0},
-        {"sets.near", p->near, 1e-30},
-    };
-    if (!p->path)
-        return gp_fail_at(log, GP_ERR_USAGE, "sets.path", "sets: no scene");
-    for (size_t i = 0; i < sizeof number / sizeof *number; i++) {
-        if (!(number[i].v >= number[i].least))
-            return gp_fail_at(log, GP_ERR_USAGE, number[i].name, "%s: under %g "
-                              "(found %g)", number[i].name, number[i].least,
-                              number[i].v);
-    }
-    return GP_OK;
-}
-
 /* Makes the camera; its near plane, where it has one, is the table's. */
 static gp_status find_camera(const struct gp_log *log,
     const struct glarepp_sets_params *p, struct own *own,
@@ -115,7 +93,6 @@ int glarepp_sets(struct glarepp *gp, const struct glarepp_sets_params *params,
     gp_status st;
     memset(out, 0, sizeof *out);
     GP_TRY(gp_api_params(&gp->log, "sets", &p, sizeof p, params));
-    GP_TRY(check(&gp->log, &p));
     struct gp_table_params table = {
         .draw = {.w = p.w, .h = p.h, .near = p.near,
                  .light_scale = p.light_scale, .ambient = p.ambient,

@@ -518,11 +518,14 @@ static gp_status show(struct glarepp_frame *f)
                          : gp_tone_map(&f->log, &f->plan->tone, &f->image);
 }
 
+#define BIT(step) (1u << GLAREPP_##step)
+
 static gp_status finish(struct glarepp_frame *f)
 {
     if (f->work && !f->composed)
         note_flux(f);
     gp_api_give_back(f->plan, &f->work);
+    f->ran &= ~(BIT(POSE) | BIT(PLACE) | BIT(SHARES)); // were in its work
     return GP_OK;
 }
 
@@ -531,20 +534,22 @@ static gp_status finish(struct glarepp_frame *f)
 static const struct {
     const char *name;
     gp_status (*run)(struct glarepp_frame *f);
+    unsigned after; // bits of steps that it needs
+    bool adds;      // what it adds would be there twice
 } steps[GLAREPP_STEPS] = {
-    [GLAREPP_POSE] = {"scene", gp_api_pose},
-    [GLAREPP_RELIGHT] = {"relight", gp_api_relight},
-    [GLAREPP_PLACE] = {"lights", gp_api_place},
-    [GLAREPP_SHARES] = {"shares", gp_api_shares},
-    [GLAREPP_SENSE] = {"sensors", sense},
-    [GLAREPP_KERNEL] = {"kernel", make_kernel},
-    [GLAREPP_LAYER] = {"glare", add_layer},
-    [GLAREPP_VERIFY] = {"verify", verify},
-    [GLAREPP_FLARE] = {"flare", gp_api_flare},
-    [GLAREPP_LENS] = {"lens", gp_api_lens},
-    [GLAREPP_COMPOSE] = {"compose", compose},
-    [GLAREPP_TONE] = {"tonemap", show},
-    [GLAREPP_DONE] = {"done", finish},
+    [GLAREPP_POSE] = {"scene", gp_api_pose, 0, false},
+    [GLAREPP_RELIGHT] = {"relight", gp_api_relight, BIT(POSE), true},
+    [GLAREPP_PLACE] = {"lights", gp_api_place, 0, false},
+    [GLAREPP_SHARES] = {"shares", gp_api_shares, BIT(PLACE), false},
+    [GLAREPP_SENSE] = {"sensors", sense, 0, false},
+    [GLAREPP_KERNEL] = {"kernel", make_kernel, BIT(SENSE), false},
+    [GLAREPP_LAYER] = {"glare", add_layer, BIT(SENSE) | BIT(KERNEL), false},
+    [GLAREPP_VERIFY] = {"verify", verify, BIT(LAYER), false},
+    [GLAREPP_FLARE] = {"flare", gp_api_flare, BIT(SENSE), true},
+    [GLAREPP_LENS] = {"lens", gp_api_lens, BIT(SENSE), true},
+    [GLAREPP_COMPOSE] = {"compose", compose, 0, false},
+    [GLAREPP_TONE] = {"tonemap", show, BIT(COMPOSE), false},
+    [GLAREPP_DONE] = {"done", finish, 0, false},
 };
 
 /* True where a plan asks for what a step does. */
@@ -568,6 +573,8 @@ static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
 
 int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
 {
+    const unsigned reads = BIT(RELIGHT) | BIT(SENSE) | BIT(VERIFY) |
+                           BIT(LENS) | BIT(COMPOSE);
     struct glarepp *const outer = gp_api_begin(f->plan->gp);
     gp_status st = GP_OK;
     if (step >= GLAREPP_STEPS)
@@ -576,10 +583,23 @@ int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
     f->facts.engines_ms = f->facts.engines_cpu_ms = 0.0;
     if (!is_asked(f->plan, step))
         goto out;
+    if (1u << step & reads && !f->image.rgb.c[0])
+        GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "step", "%s: its pixels were "
+                          "dropped before %s", f->sink.name, steps[step].name));
+    if (steps[step].after & ~f->ran)
+        GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "step", "%s: a step that %s "
+                          "needs was not run", f->sink.name, steps[step].name));
+    if (steps[step].adds && f->ran & 1u << step)
+        GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "step", "%s: %s is there "
+                          "already", f->sink.name, steps[step].name));
     GP_TRY(gp_api_progress(f->plan->gp, steps[step].name,
                            (double) step / GLAREPP_STEPS));
     GP_TRY(borrow_work(f, step));
     GP_TRY(steps[step].run(f));
+    // (a layer made anew has none of what was added to it)
+    f->ran &= ((1u << step) - 1) |
+              (step == GLAREPP_LAYER ? 0u : BIT(FLARE) | BIT(LENS));
+    f->ran |= 1u << step;
 out:
     return gp_api_end(outer, st);
 }
@@ -605,7 +625,9 @@ int glarepp_execute(struct glarepp_plan *plan, const struct glarepp_image *in,
     if (!st && facts) {
         *facts = f->facts;
         facts->light = NULL; // these end with the frame
-        facts->lights = 0;
+        facts->relit = NULL;
+        facts->lights = facts->relits = facts->kernel.recipes = 0;
+        memset(facts->kernel.recipe, 0, sizeof facts->kernel.recipe);
     }
     glarepp_frame_end(&f);
     return st;

@@ -447,6 +447,18 @@ static void set_lights(struct gp_sun_settings *s)
     s->p.faded = s->color.n > 0;
 }
 
+/* Has --ocio env name the config. */
+static gp_status find_config(const struct gp_log *log, const char **config)
+{
+    if (!*config || (**config && strcmp(*config, "env") != 0))
+        return GP_OK;
+    *config = getenv("OCIO");
+    return *config && **config
+               ? GP_OK
+               : gp_fail(log, GP_ERR_USAGE, "--ocio: $OCIO is not set; set it, "
+                         "or give another config, e.g. --ocio config.ocio");
+}
+
 /* Fills in what the library gets: parameters that are lists, or follow from
  * several options. */
 static void set_params(struct gp_settings *s)
@@ -484,6 +496,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     if (s->command == GP_COMMAND_COMPARE)
         return check_compare(log, s);
     set_params(s);
+    GP_TRY(find_config(log, &s->tone.map.config));
     GP_TRY(check_kernel_size(log, s));
     if (s->scene.path && !gp_option_given(s, "sun-outside"))
         sun->p.outside = GLAREPP_BY_SCENE;

@@ -34,8 +34,7 @@ static const char *file_of(const struct gp_settings *s,
         o->once != written || (o->aside && !written))
         return NULL;
     memcpy(&name, (const char *) s + o->at, sizeof name);
-    return name && config && (!*name || strcmp(name, "env") == 0)
-               ? getenv("OCIO") : name;
+    return name;
 }
 
 // -- files that are still to be made -----------------------------------------

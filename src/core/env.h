@@ -4,6 +4,8 @@
 #ifndef GP_CORE_ENV_H
 #define GP_CORE_ENV_H
 
+#include <locale.h>
+
 struct gp_pool; // core/parallel.h
 
 /* All borrowed; zero is what a thread starts with. */
@@ -13,6 +15,7 @@ struct gp_env {
     const char *data;            // for flares/ and lenses/; NULL: none
     const char *osmesa, *egl;    // GL library files; NULL: the system's
     int gl_size;                 // largest side of a GL texture; 0: the driver's
+    locale_t locale;             // of its calls; 0: the thread's own
 };
 
 /* Returns that of this thread. */

@@ -33,11 +33,12 @@ enum { ARENA = false };
 enum { ARENA = true };
 #endif
 
-static atomic_bool arena_on; // never off again
+static atomic_int keepers;     // of gp_keep_memory()
+static atomic_bool has_blocks; // some may be the arena's
 
 static bool has_arena(void)
 {
-    return atomic_load_explicit(&arena_on, memory_order_relaxed);
+    return ARENA && atomic_load_explicit(&keepers, memory_order_relaxed) > 0;
 }
 
 enum {
@@ -159,6 +160,8 @@ static bool give_block(void *block)
             arena.waiting += b->bytes;
         }
     }
+    if (!has_arena())
+        return_pages();
     pthread_mutex_unlock(&arena.lock);
     return found;
 }
@@ -194,7 +197,8 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
 
 void gp_free(void *p)
 {
-    if (!has_arena() || !give_block(p))
+    if (!atomic_load_explicit(&has_blocks, memory_order_relaxed) ||
+        !give_block(p))
         free(p);
 }
 
@@ -219,9 +223,17 @@ gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
     return st;
 }
 
-void gp_keep_memory(void)
+void gp_keep_memory(bool keeps)
 {
-    atomic_store_explicit(&arena_on, ARENA, memory_order_relaxed);
+    pthread_mutex_lock(&arena.lock);
+    atomic_fetch_add(&keepers, keeps ? 1 : -1);
+    if (has_arena()) {
+        atomic_store(&has_blocks, true);
+    } else {
+        arena.most = 0;
+        return_pages();
+    }
+    pthread_mutex_unlock(&arena.lock);
 }
 
 unsigned long gp_serial_next(void)

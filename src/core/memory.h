@@ -40,8 +40,8 @@ void gp_free(void *p);
 
 /* Keeps the pages of freed blocks for the next ones, of any size: stages of a
  * frame take turns with them, and so do frames of a sequence.
- * It is for the whole process, and for good. */
-void gp_keep_memory(void);
+ * For the whole process, until each call with true had one with false. */
+void gp_keep_memory(bool keeps);
 
 /* Returns a number > 0, unique in this process: caches compare it to see
  * whether their source is still the same. Call from any thread. */

@@ -73,8 +73,14 @@ const struct gp_env *gp_env(void)
 
 const struct gp_env *gp_env_use(const struct gp_env *env)
 {
+    static _Thread_local locale_t outside; // of the thread, outside of calls
     const struct gp_env *const before = own;
+    const bool in = before && before->locale, goes_in = env && env->locale;
     own = env;
+    if (in || goes_in) {
+        const locale_t was = uselocale(goes_in ? env->locale : outside);
+        outside = in ? outside : was;
+    }
     return before;
 }
 

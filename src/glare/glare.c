@@ -212,7 +212,8 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
     struct gp_pixel_floor floor = {0};
     struct gp_glare_request *const req = &d->req;
     struct gp_glare *const g = d->g;
-    *out = (struct gp_choice) {.engine = named};
+    *out = (struct gp_choice) {.engine = named,
+                               .fft_double = d->params.fft_double};
     GP_TRY(gp_error_floor_find(req, &req->floor));
     if (d->params.tolerance_pixel > 0.0f) {
         struct gp_glare_request whole = *req; // as bright as the frame is

@@ -89,7 +89,8 @@ static gp_status find_choice(const struct gp_glare_request *req,
 {
     static const double FAR_LESS = 0.1;
     struct gp_choice c = {.engine = engine, .fft_double = true};
-    *out = (struct gp_choice) {.engine = engine};
+    *out = (struct gp_choice) {.engine = engine,
+                               .fft_double = req->params->fft_double};
     gp_status st = find_bounds(req, g, floor, out);
     if (st || engine != FFT || !pixel_is_over(req->params, out))
         return st;

@@ -162,6 +162,8 @@ gp_status gp_suns_find(const struct gp_log *log,
     bool found = false, needed = p->cameras || more->lights > 0 ||
                                 p->outside == GLAREPP_BY_SCENE;
     gp_status st;
+    GP_FREE(suns->light);
+    suns->n = 0;
     // a camera that no light needs is not looked at, and may be wrong
     for (int i = 0; i < read; i++)
         needed = needed || spec_at(suns, i)->place != GLAREPP_PIXEL;

@@ -428,12 +428,7 @@ try {
     auto own = std::make_unique<Owned>();
     // errors come as exceptions; nobody asked for the rest on stderr
     OCIO::SetLoggingFunction([](const char *) {});
-    const bool named = p->config[0] && std::strcmp(p->config, "env") != 0;
-    const char *const config = named ? p->config : std::getenv("OCIO");
-    if (!config || !config[0])
-        throw Refusal{GP_ERR_USAGE, "tone.config",
-                      "OpenColorIO: $OCIO is not set; set it"};
-    own->config = config;
+    own->config = p->config;
     Asked a{p, read_config(own->config), nullptr, own.get()};
     const OCIO::ContextRcPtr context =
         a.config->getCurrentContext()->createEditableCopy();

@@ -8,9 +8,8 @@
 
 /* The program is not told of these, or the text says it all. */
 static const char *const wordless[] = {
-    "frame.albedo", "frame.groups", "frame.normal", "image.data", "image.plane",
-    "kernel.word", "lights.lights", "params.picture", "params.threads",
-    "tone.config.file", "tone.curve", "tone.output.primaries",
+    "frame.albedo", "frame.group", "frame.normal", "image.data", "image.plane",
+    "image.type", "kernel.word", "params.picture", "tone.config.file", "tone.curve", "tone.output.primaries",
 };
 
 static char parameter[256][40]; // of src/, each once

@@ -257,12 +257,12 @@ static void topics_of_help(void **state)
 static void clusters_follow_groups(void **state)
 {
     static const struct { const char *line; int group, cluster; } rows[] = {
-        {"-o a i", 4, 8}, {"-o a i --group 1", 1, 8},
-        {"-o a i --group 8", 8, 0}, {"-o a i --group 64", 64, 0},
-        {"-o a i --group 8 --cluster 16", 8, 16},
-        {"-o a i --group 32 --cluster 64", 32, 64},
-        {"-o a i --group 4 --cluster 0", 4, 0},
-        {"-o a i --group 1 --cluster 2", 1, 2},
+        {"-e splat -o a i", 4, 8}, {"-e splat -o a i --group 1", 1, 8},
+        {"-e splat -o a i --group 8", 8, 0}, {"-e splat -o a i --group 64", 64, 0},
+        {"-e splat -o a i --group 8 --cluster 16", 8, 16},
+        {"-e splat -o a i --group 32 --cluster 64", 32, 64},
+        {"-e splat -o a i --group 4 --cluster 0", 4, 0},
+        {"-e splat -o a i --group 1 --cluster 2", 1, 2},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;

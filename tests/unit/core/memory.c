@@ -194,7 +194,7 @@ static void memory_is_full(void **state)
 
 static int keep_memory(void **state)
 {
-    gp_keep_memory();
+    gp_keep_memory(true);
     return 0;
 }
 
