@@ -351,7 +351,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
     facts->modelled = r->recipes || r->label[0].present;
     facts->w = k->w;
     facts->h = k->h;
-    facts->grid = k->tail ? k->tail->split.step : 0;
+    facts->grid = k->far ? k->far->split.step : 0;
     facts->left_out = fmax(k->left_out, 0.0);
     facts->missed = use.missed;
     memcpy(facts->faint, k->faint, sizeof facts->faint);

@@ -285,13 +285,13 @@ out:
     return st;
 }
 
-// -- the share of the kernel that is outside --------------------------------------
+// -- the share of the kernel that is outside ----------------------------------
 
 /* Sums of a kernel's samples over boxes: at (y, x) of those above and left,
  * h + 1 rows of `pitch`, w + 1, channel after channel. */
 struct box_sums {
     const struct gp_kernel *k;
-    int channels; // 1 of a kernel that is grey, its tail too
+    int channels; // 1 of a kernel that is grey, its far field too
     size_t pitch;
     double *at;
 };
@@ -306,7 +306,7 @@ static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
                            struct box_sums *s)
 {
     *s = (struct box_sums) {
-        .k = k, .channels = k->grey && (!k->tail || k->tail->grey) ? 1 : 3,
+        .k = k, .channels = k->grey && (!k->far || k->far->grey) ? 1 : 3,
         .pitch = (size_t) k->w + 1,
     };
     gp_status st = gp_alloc(log, "edges", (size_t) s->channels *
@@ -340,43 +340,43 @@ struct gp_outside {
     const struct gp_beyond *b;
     struct gp_planes *layer;
     struct box_sums sums;
-    struct gp_far_rows *tail; // of light 1 everywhere; NULL: no tail
+    struct gp_far_rows *far; // of light 1 everywhere; NULL: no far field
     int w, h, threads;
     unsigned long serial;              // of the kernel
-    const struct gp_far_state *state; // what `tail` is of
+    const struct gp_far_state *state; // what `far` is of
     double *box;   // pitch of the kernel for each thread
-    float *share;  // 2 w of the picture for each thread: w; the tail inside
+    float *weight; // two rows for each thread: w; the far field in the picture
 };
 
-/* Fills share[x] with w in row y, but for the tail's. */
-GP_CLONES static void find_shares(const struct gp_kernel *k,
+/* Fills weight[x] with w in row y, but for the far field's. */
+GP_CLONES static void find_weights(const struct gp_kernel *k,
     const double *restrict low, const double *restrict high, double rest, int w,
-    double *restrict box, float *restrict share)
+    double *restrict box, float *restrict weight)
 {
     for (int i = 0; i <= k->w; i++)
         box[i] = high[i] - low[i];
     const double all = box[k->w];
     const float base = (float) rest;
     for (int x = 0; x < w; x++)
-        share[x] = base;
+        weight[x] = base;
     // samples right of x + cx have their light left of the picture
     const int left = gp_clamp_wide((long long) k->w - k->cx - 1, 0, w);
     for (int x = 0; x < left; x++)
-        share[x] += (float) (all - box[gp_max(x + k->cx + 1, 0)]);
+        weight[x] += (float) (all - box[gp_max(x + k->cx + 1, 0)]);
     // those left of x + cx - w + 1 right of it
     const int right = gp_clamp_wide((long long) w - k->cx, 0, w);
     for (int x = right; x < w; x++)
-        share[x] += (float) box[gp_min(x + k->cx + 1 - w, k->w)];
+        weight[x] += (float) box[gp_min(x + k->cx + 1 - w, k->w)];
 }
 
 /* Adds w b; b lies between those of two rows of corners. */
 GP_CLONES static void add_light(float *restrict layer,
-    const float *restrict share, const float *restrict above,
+    const float *restrict weight, const float *restrict above,
     const float *restrict below, float down, int n)
 {
     for (int x = 0; x < n; x++) {
         const float b = above[x] + down * (below[x] - above[x]);
-        layer[x] = gp_maxf(gp_minf(layer[x] + share[x] * b, FLT_MAX),
+        layer[x] = gp_maxf(gp_minf(layer[x] + weight[x] * b, FLT_MAX),
                            -FLT_MAX);
     }
 }
@@ -388,24 +388,24 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
     const struct gp_kernel *const k = o->sums.k;
     const int c = i / b->h, y = i % b->h, from = c % o->sums.channels;
     const size_t w = (size_t) b->w;
-    float *const share = o->share + (size_t) thread * 2 * w;
-    float *const inside = share + w;
+    float *const weight = o->weight + (size_t) thread * 2 * w;
+    float *const inside = weight + w;
     const double *const low = box_row(
         &o->sums, from, kernel_from((long long) y - b->h + 1, k->cy, k->h));
     const double *const high =
         box_row(&o->sums, from, kernel_from((long long) y + 1, k->cy, k->h));
     const double all = box_row(&o->sums, from, k->h)[k->w];
-    find_shares(k, low, high,
-                k->left_out + (all - (high[k->w] - low[k->w])), b->w,
-                o->box + (size_t) thread * o->sums.pitch, share);
-    if (o->tail) {
-        const float tail = (float) k->tail->sum[from];
-        gp_far_row(o->tail, from, y, thread, inside);
+    find_weights(k, low, high,
+                 k->left_out + (all - (high[k->w] - low[k->w])), b->w,
+                 o->box + (size_t) thread * o->sums.pitch, weight);
+    if (o->far) {
+        const float far = (float) k->far->sum[from];
+        gp_far_row(o->far, from, y, thread, inside);
         for (size_t x = 0; x < w; x++)
-            share[x] += tail - inside[x];
+            weight[x] += far - inside[x];
     }
     const float *const above = b->b[c] + (size_t) (y / b->side) * w;
-    add_light(o->layer->c[c] + (size_t) y * w, share, above, above + w,
+    add_light(o->layer->c[c] + (size_t) y * w, weight, above, above + w,
               (float) (y % b->side) / (float) b->side, b->w);
 }
 
@@ -413,16 +413,16 @@ void gp_outside_free(struct gp_outside **outside)
 {
     struct gp_outside *const o = *outside;
     if (o) {
-        gp_far_rows_free(&o->tail);
+        gp_far_rows_free(&o->far);
         gp_free(o->sums.at);
         gp_free(o->box);
-        gp_free(o->share);
+        gp_free(o->weight);
     }
     GP_FREE(*outside);
 }
 
 gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
-    const struct gp_far_state *tail, const struct gp_beyond *b,
+    const struct gp_far_state *far, const struct gp_beyond *b,
     struct gp_planes *layer, struct gp_outside **outside)
 {
     gp_status st;
@@ -430,7 +430,7 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
     struct gp_outside *o = *outside;
     const size_t threads = (size_t) gp_threads(), wide = (size_t) w;
     if (o && k->serial && o->serial == k->serial && o->w == w && o->h == h &&
-        o->threads == gp_threads() && o->state == tail) {
+        o->threads == gp_threads() && o->state == far) {
         o->sums.k = k;
         o->b = b;
         o->layer = layer;
@@ -439,14 +439,14 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
     gp_outside_free(outside);
     GP_TRY(gp_alloc_zero(log, "edges", 1, sizeof *o, &o));
     *o = (struct gp_outside) {.b = b, .layer = layer, .w = w, .h = h, .threads = gp_threads(),
-                              .serial = k->serial, .state = tail};
+                              .serial = k->serial, .state = far};
     GP_TRY(sum_boxes(log, k, &o->sums));
     GP_TRY(gp_alloc(log, "edges", threads * o->sums.pitch, sizeof *o->box,
                     &o->box));
-    GP_TRY(gp_alloc(log, "edges", threads * 2 * wide, sizeof *o->share,
-                    &o->share));
-    if (k->tail)
-        GP_TRY(gp_far_flat(log, k->tail, tail, w, h, &o->tail));
+    GP_TRY(gp_alloc(log, "edges", threads * 2 * wide, sizeof *o->weight,
+                    &o->weight));
+    if (k->far)
+        GP_TRY(gp_far_flat(log, k->far, far, w, h, &o->far));
     *outside = o;
     o = NULL;
 out:

@@ -77,11 +77,11 @@ struct gp_outside;
 
 /* Finds it unless *outside is of that kernel and of b's size, for adding b to a
  * layer of that size; all are borrowed.
- *   tail  open for k's tail, where it has one
+ *   far  open for k's far field, where it has one
  * Free with gp_outside_free(). Errors: GP_ERR_BUG out of memory; *outside is NULL
  * then. */
 GP_MUST_CHECK gp_status gp_outside_find(const struct gp_log *log,
-    const struct gp_kernel *k, const struct gp_far_state *tail,
+    const struct gp_kernel *k, const struct gp_far_state *far,
     const struct gp_beyond *b, struct gp_planes *layer,
     struct gp_outside **outside);
 void gp_outside_free(struct gp_outside **outside);
@@ -90,7 +90,7 @@ void gp_outside_free(struct gp_outside **outside);
  * gp_parallel_do(), whose ctx is what was found. */
 void gp_beyond_add_row(void *ctx, int i, int thread);
 
-/* The same in double, for the truth: k has no tail, layer 3 w h doubles. */
+/* The same in double, for the truth: k has no far field; 3 w h doubles. */
 GP_MUST_CHECK gp_status gp_beyond_add_exact(const struct gp_log *log,
     const struct gp_beyond *b, const struct gp_kernel *k, double *layer);
 

@@ -62,7 +62,7 @@ struct gp_glare_params {
     { .engine = "auto", .gain = 1.0f, .tolerance = 1e-3f,                     \
       .splat = GP_SPLAT_DEFAULTS }
 
-/* The part of the layer that is no engine's: the kernel's tail. */
+/* The part of the layer that is no engine's: the kernel's far field. */
 struct gp_layer_rest {
     gp_task add; // adds it to row i % h of channel i / h of the layer, of w * h
     void *ctx;
@@ -79,12 +79,12 @@ struct gp_glare_request {
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct glarepp_layer_facts *stats;
     struct gp_layer_rest *rest;       // or NULL
-    const struct gp_far_state *tail; // open for the kernel's tail, which is
+    const struct gp_far_state *far; // open for the kernel's far field, which is
                    // added to what engines draw; NULL: the kernel has none
     const struct gp_beyond *beyond; // light from beyond the border, or NULL:
-                   // what the tail's error adds to it counts
-    double floor;  // added to a bound for the tail, and for values under the
-                   // range of float
+                   // what the far field's error adds to it counts
+    double floor;  // added to a bound, for the far field's error and for values
+                   // under the range of float
 };
 
 /* Bounds the error of a sample of the layer: share * sample + of[channel]. */
@@ -122,7 +122,7 @@ extern const struct gp_engine *const gp_engines[];  // NULL-terminated
 struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
     bool warned;     // that no engine keeps the tolerance
-    struct gp_far_state *tail;
+    struct gp_far_state *far;
     struct gp_outside *outside; // NULL at first
     struct gp_kernel whole; // of the kernel `whole_of`, for frames of that size
     unsigned long whole_of;
@@ -130,8 +130,8 @@ struct gp_glare {
 };
 
 /* Computes f->layer from sources, with the light from beyond the border that
- * p->edges has. No source: the layer is zero, no engine is opened. Of a kernel with
- * a tail engines draw the core, and the tail is added to it; but `direct`, when
+ * p->edges has. No source: the layer is zero, no engine is opened. An engine
+ * draws a kernel's core, and the far field is added to that; but `direct`, when
  * named, sums the whole kernel sample by sample.
  *
  * `auto` takes `direct` for a handful of sources, else `fft`, and warns when no

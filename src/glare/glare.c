@@ -37,7 +37,7 @@ static gp_status halve_kernel(const struct gp_log *log,
     *out = *k;
     out->k = (struct gp_planes) {0};
     out->unturned = NULL;
-    out->tail = NULL;
+    out->far = NULL;
     out->origin = NULL;
     out->lit = NULL;
     out->serial = 0;
@@ -97,7 +97,7 @@ static gp_status double_layer(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* The whole of a kernel with a tail, kept in g. */
+/* The whole of a kernel with a far field, kept in g. */
 static gp_status find_whole(const struct gp_log *log, struct gp_glare *g,
     const struct gp_kernel *kernel, int w, int h, const struct gp_kernel **out)
 {
@@ -124,7 +124,7 @@ static void halve_floor(struct gp_pixel_floor *floor, int times)
     floor->less = ldexp(floor->less, -times);
     for (int c = 0; c < 3; c++) {
         floor->layer[c] = ldexp(floor->layer[c], -times);
-        floor->tail[c] = ldexp(floor->tail[c], -times);
+        floor->far[c] = ldexp(floor->far[c], -times);
     }
 }
 
@@ -153,15 +153,15 @@ static int find_engine(const char *name)
 
 /* Light that is added to the rows that an engine draws. */
 struct rest {
-    struct gp_far_rows *tail;  // or NULL
+    struct gp_far_rows *far;  // or NULL
     struct gp_outside *beyond; // or NULL
 };
 
 static void add_rest(void *ctx, int i, int thread)
 {
     const struct rest *const r = ctx;
-    if (r->tail)
-        gp_far_add_row(r->tail, i, thread);
+    if (r->far)
+        gp_far_add_row(r->far, i, thread);
     if (r->beyond)
         gp_beyond_add_row(r->beyond, i, thread);
 }
@@ -170,7 +170,7 @@ static void add_rest(void *ctx, int i, int thread)
 struct drawing {
     struct gp_glare *g;
     const struct gp_sources *src;   // as bright as the frame is
-    const struct gp_kernel *kernel; // with its tail, if it has one
+    const struct gp_kernel *kernel; // with its far field, if it has one
     const struct gp_kernel *drawn;  // that, or the whole of it
     struct gp_image *f;
     const char *path;
@@ -186,9 +186,9 @@ struct drawing {
 static gp_status fit_range(const struct gp_log *log, struct drawing *d)
 {
     gp_status st = GP_OK;
-    // a kernel with a tail is a model's, of norm 1 at most
+    // a kernel with a far field is a model's, of norm 1 at most
     const double norm = largest(d->kernel->norm1);
-    const int of_kernel = d->kernel->tail ? 0 : halvings(norm);
+    const int of_kernel = d->kernel->far ? 0 : halvings(norm);
     const int of_light = halvings(
         largest(d->src->flux) * fmax(ldexp(norm, -of_kernel), 1.0));
     d->times = of_kernel + of_light;
@@ -234,7 +234,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
     if (out->whole) {
         GP_TRY(find_whole(log, g, d->kernel, d->src->w, d->src->h, &d->drawn));
         req->kernel = d->drawn;
-        req->tail = NULL;
+        req->far = NULL;
     }
     d->params.fft_double = out->fft_double;
     req->stats->engine = gp_engines[out->engine]->name;
@@ -243,7 +243,7 @@ out:
     return st;
 }
 
-/* Runs the engine, and adds the kernel's tail and light from beyond the
+/* Runs the engine, and adds the kernel's far field and light from beyond the
  * border. */
 static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
                       struct drawing *d)
@@ -255,17 +255,17 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     struct rest parts = {0};
     struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
     const int h = d->src->h;
-    if (req->tail) {
-        GP_TRY(gp_far_find(log, d->kernel->tail, g->tail, req->src,
+    if (req->far) {
+        GP_TRY(gp_far_find(log, d->kernel->far, g->far, req->src,
                             &d->f->layer, &rows));
-        parts.tail = rows;
+        parts.far = rows;
     }
     if (d->beyond) {
-        GP_TRY(gp_outside_find(log, d->drawn, d->drawn->tail ? g->tail : NULL,
+        GP_TRY(gp_outside_find(log, d->drawn, d->drawn->far ? g->far : NULL,
                                d->beyond, &d->f->layer, &g->outside));
         parts.beyond = d->times ? NULL : g->outside; // as bright as the frame
     }
-    if (parts.tail || parts.beyond)
+    if (parts.far || parts.beyond)
         req->rest = &rest;
     GP_TRY(gp_engines[engine->engine]->run(req, &g->state[engine->engine]));
     if (req->rest && !rest.added)
@@ -309,13 +309,13 @@ static gp_status run_picture(const struct gp_log *log,
         gp_planes_clear(&f->layer, 0, gp_image_pixels(f));
         return GP_OK;
     }
-    if (kernel->tail && named >= 0 && gp_engines[named] == &gp_engine_direct)
+    if (kernel->far && named >= 0 && gp_engines[named] == &gp_engine_direct)
         GP_TRY(find_whole(log, g, kernel, src->w, src->h, &d.drawn));
-    else if (kernel->tail)
-        GP_TRY(gp_far_open(log, kernel->tail, &g->tail));
+    else if (kernel->far)
+        GP_TRY(gp_far_open(log, kernel->far, &g->far));
     d.req = (struct gp_glare_request) {
         .log = log, .params = &d.params, .src = src, .kernel = d.drawn,
-        .tail = d.drawn->tail ? g->tail : NULL, .layer = &f->layer,
+        .far = d.drawn->far ? g->far : NULL, .layer = &f->layer,
         .stats = stats,
     };
     GP_TRY(fit_range(log, &d));
@@ -380,7 +380,7 @@ void gp_glare_close(struct gp_glare *g)
             gp_engines[i]->close(&g->state[i]);
     }
     gp_outside_free(&g->outside);
-    gp_far_close(&g->tail);
+    gp_far_close(&g->far);
     gp_kernel_free(&g->whole);
     g->whole_of = 0;
 }
@@ -402,7 +402,7 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     struct glarepp_layer_facts stats;
     struct gp_sources disc = {0};
     struct gp_kernel core = *k;
-    core.tail = NULL; // it has a sprite of its own
+    core.far = NULL; // it has a sprite of its own
     p.engine = reach > 3 ? "fft" : "direct";
     GP_TRY(gp_sources_make(log, &frame, (size_t) side * (size_t) side, &disc));
     // the kernel's centre may lie outside it, and pixels of the disc with it

@@ -25,7 +25,7 @@ void gp_glare_reference_direct(const struct gp_sources *src,
 /* The planner's choice. */
 struct gp_choice {
     int engine;      // index in gp_engines
-    bool whole;      // it sums the kernel with its tail, sample by sample
+    bool whole;      // it sums the kernel with its far field, sample by sample
     bool fft_double; // for tolerance_pixel's sake
     double bound;    // of rel_l2
     double pixel;    // of max_rel; 0: not asked
@@ -33,9 +33,9 @@ struct gp_choice {
 
 /* Chooses by the request alone, and writes stats->why: `direct` for a handful
  * of sources, else `fft`. Where its bounds are over the tolerances, the other;
- * where both are over them and the kernel has a tail, `direct` of the whole
- * kernel. Where nothing keeps them, the lower bound runs, and a warning that
- * names `path` is printed once in a sequence.
+ * where both are over them and the kernel has a far field, `direct` of the
+ * whole kernel. Where nothing keeps them, the lower bound runs, and a warning
+ * that names `path` is printed once in a sequence.
  * Errors: an engine's bound. */
 GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_request *req,
     struct gp_glare *g, const char *path, const struct gp_pixel_floor *floor,

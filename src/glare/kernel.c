@@ -683,7 +683,7 @@ void gp_kernel_free(struct gp_kernel *k)
     if (k->unturned)
         gp_planes_free(&k->unturned->k);
     gp_free(k->unturned);
-    gp_far_free(k->tail);
+    gp_far_free(k->far);
     gp_free(k->lit);
     gp_planes_free(&k->k);
     *k = (struct gp_kernel) {0};

@@ -49,7 +49,7 @@ struct gp_lit_row {
 
 /* A normalised kernel. Sample (x, y) is the share of a source's light that
  * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q), and
- * that of the tail, where there is one: then k is only the core.
+ * that of the far field, where there is one: then k is only the core.
  * Negative lobes are allowed. Zero borders are cut off on making; magnitudes
  * under FLT_MIN, 1.2e-38, are 0. */
 struct gp_kernel {
@@ -57,10 +57,10 @@ struct gp_kernel {
     int cx, cy;           // the centre's pixel; may lie outside [0,w) x [0,h)
                           // after cutting zero borders
     struct gp_planes k;   // w * h each
-    struct gp_far_field *tail; // the rest beyond the core; NULL: nothing; owned
-    double sum[3];        // of each channel, with the tail
+    struct gp_far_field *far; // what is beyond the core; NULL: nothing; owned
+    double sum[3];        // of each channel, with the far field
     double norm2[3];      // sqrt of the sum of squares of each channel, and ...
-    double norm1[3];      // ... sum of magnitudes; with a tail, limits of both
+    double norm1[3];      // ... sum of magnitudes; limits with a far field
     double faint[3];      // magnitudes of each channel that count as 0
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0
@@ -119,7 +119,7 @@ struct gp_spread_kernel {
     int w, h;
     double cx, cy;        // the disc's centre, pixel (i,j) covers [i, i + 1)
     struct gp_planes k;   // w * h each
-    int step;             // pixels from sample to sample; 1, but of a tail
+    int step;             // pixels from sample to sample; 1, but of a far field
 };
 
 /* Spreads k over the (2 reach + 1)^2 pixels of a disc around its centre's
@@ -132,7 +132,7 @@ GP_MUST_CHECK gp_status gp_kernel_spread(const struct gp_log *log,
     const struct gp_kernel *k, int reach, const float *weight,
     struct gp_spread_kernel *out);
 
-/* The same of k's tail, which there must be, where `k` above is its core:
+/* The same of k's far field, which there must be, where `k` above is its core:
  * samples every out->step pixels, between which it is linear within 1 %. */
 GP_MUST_CHECK gp_status gp_kernel_spread_far(const struct gp_log *log,
     const struct gp_kernel *k, int reach, const float *weight,

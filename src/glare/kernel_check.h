@@ -53,11 +53,11 @@ struct gp_kernel_use {
     double brightest;    // luminance of the brightest source; 0: not known
 };
 
-/* Figures that cost nothing. Of a kernel with a tail they are those of both. */
+/* Figures that cost nothing, of the core and its far field together. */
 void gp_kernel_glance(const struct gp_kernel *k, const float luminance[3],
                       struct gp_kernel_figures *out);
-/* All figures, of a kernel without tail, by several threads: the same for any
- * number of them. */
+/* All figures, of a kernel without far field, by several threads: the same for
+ * any number of them. */
 void gp_kernel_measure(const struct gp_kernel *k, const float luminance[3],
                        struct gp_kernel_figures *out);
 

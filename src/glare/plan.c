@@ -100,7 +100,7 @@ static gp_status find_choice(const struct gp_glare_request *req,
     return st;
 }
 
-/* Takes `direct` of the kernel with its tail, sample by sample, where that
+/* Takes `direct` of the kernel with its far field, sample by sample, where that
  * keeps the tolerances, or leaves less than half of what is over them. */
 static gp_status try_whole(const struct gp_glare_request *req,
     struct gp_glare *g, const struct gp_pixel_floor *floor,
@@ -114,8 +114,8 @@ static gp_status try_whole(const struct gp_glare_request *req,
     if ((2.0 * src->w - 1.0 + 2.0 * GP_TAPS_PAD) * (2.0 * src->h - 1.0) > MOST)
         return GP_OK;
     // the layer of the core is no more than that of the whole
-    whole.tail = NULL;
-    memset(own.tail, 0, sizeof own.tail);
+    whole.far = NULL;
+    memset(own.far, 0, sizeof own.far);
     gp_status st = gp_error_floor_find(&whole, &whole.floor);
     if (!st)
         st = find_bounds(&whole, g, &own, &c);
@@ -181,7 +181,7 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                     worse_bound(p, &other) < worse_bound(p, out)))
             *out = other;
     }
-    if (!st && !is_within(p, out) && req->tail)
+    if (!st && !is_within(p, out) && req->far)
         st = try_whole(req, g, floor, out);
     if (st)
         return st;

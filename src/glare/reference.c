@@ -79,7 +79,7 @@ static void transform(const struct gp_fftwd *lib, size_t nx, size_t ny,
     }
 }
 
-/* The sum with a kernel that has no tail. */
+/* The sum with a kernel that has no far field. */
 static gp_status sum_plain(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k, double *layer)
 {
@@ -156,8 +156,8 @@ static gp_status sum_all(const struct gp_log *log, const struct gp_surround *edg
     gp_status st = GP_OK;
     struct gp_kernel whole = {0};
     struct gp_beyond *beyond = NULL;
-    const struct gp_kernel *const all = k->tail ? &whole : k;
-    if (k->tail)
+    const struct gp_kernel *const all = k->far ? &whole : k;
+    if (k->far)
         GP_TRY(gp_kernel_whole(log, k, src->w, src->h, &whole));
     GP_TRY(sum_plain(log, src, all, layer));
     if (edges)

@@ -449,8 +449,8 @@ static void drop_sprite(struct gp_flare *sprite)
     sprite->n = 0;
 }
 
-/* A spread kernel as an element; takes its planes. That of a tail is drawn as
- * many times larger as its samples are pixels apart, and its colour gives it
+/* A spread kernel as an element; takes its planes. That of a far field is drawn
+ * as many times larger as its samples are pixels apart, and its colour gives it
  * back the light that the sum of 1 takes. */
 static struct gp_flare_element element_of(const struct gp_spread_kernel *k,
                                           int height)
@@ -473,7 +473,7 @@ static struct gp_flare_element element_of(const struct gp_spread_kernel *k,
     return e;
 }
 
-/* Makes elements of the kernel's core and tail; out->element has room for two. */
+/* Makes elements of the kernel's core and far field, at most two. */
 static gp_status make_sprite(const struct gp_log *log,
                              const struct gp_kernel *k, double radius,
                              int height, struct gp_flare *out)
@@ -491,7 +491,7 @@ static gp_status make_sprite(const struct gp_log *log,
         return st;
     GP_TRY(gp_kernel_spread(log, k, d.m, d.weight, &spread));
     out->element[out->n++] = element_of(&spread, height);
-    if (k->tail) {
+    if (k->far) {
         GP_TRY(gp_kernel_spread_far(log, k, d.m, d.weight, &spread));
         out->element[out->n++] = element_of(&spread, height);
     }

@@ -5,7 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 need_python
 
-# a frame of few columns, or rows: the field's tail keeps the tolerance
+# a frame of few columns, or rows: the far field keeps the tolerance
 for row in 2x90000:fft 3x20000:fft 90000x2:fft; do
     size=${row%%:*}
     frame tall.exr size=$size hot=1000 type=float

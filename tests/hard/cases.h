@@ -50,7 +50,7 @@ struct hard_case {
     bool of_kernel; // hard for its kernel alone
     const char *recipe; // of the kernel for the frame's field, in place of kw
                         // to shape and kernel_gain
-    bool has_tail;  // that kernel must
+    bool has_far;   // that kernel must
     double fov;     // its display's height, degrees; 0: the usual
     size_t sources; // that there must be; 0 is not checked
     struct gp_rect display; // 0: from the origin, as large as the data window
@@ -221,7 +221,7 @@ static const struct hard_case hard_cases[] = {
 enum { HARD_CASES = sizeof hard_cases / sizeof *hard_cases };
 
 /* Frames of over 300 pixels a side for kernels over the whole field, which
- * have their tail there; a recipe takes the place of these kernels. */
+ * have their far field there; a recipe takes the place of these kernels. */
 #define WIDE(name, w, h, light) name, w, h, light, 1, 1, MID, 0, PEAK, BARS
 static const struct hard_case hard_wide[] = {
     {WIDE("wide, few bright", 331, 257, FEW)},

@@ -119,7 +119,7 @@ static void run_case(int row, const struct hard_case *h,
                      struct gp_glare kept[WAYS], struct result result[WAYS])
 {
     struct scene s = hard_scene(h);
-    if (h->has_tail && !s.k.tail)
+    if (h->has_far && !s.k.far)
         hard_die(h->name, "has a kernel without a tail; make the case wider");
     for (int i = 0; i < WAYS; i++) {
         struct glarepp_layer_facts stats;
@@ -143,7 +143,7 @@ static struct hard_case rows[HARD_CASES + HARD_WIDE];
 static struct result results[HARD_CASES + HARD_WIDE][WAYS];
 static int n_rows;
 
-static void add_row(const struct hard_case *h, const char *recipe, bool tail)
+static void add_row(const struct hard_case *h, const char *recipe, bool far)
 {
     static const struct hard_bars field = {1e-6, 1e-5, 1e-5};
     struct hard_case *const row = &rows[n_rows];
@@ -151,22 +151,22 @@ static void add_row(const struct hard_case *h, const char *recipe, bool tail)
         return;
     *row = *h;
     row->recipe = recipe;
-    row->has_tail = tail;
+    row->has_far = far;
     if (recipe)
         row->bar = field;
     n_rows++;
 }
 
 /* First, last, second, last but one: sizes jump from frame to frame. */
-static void run_all(const char *recipe, bool tail)
+static void run_all(const char *recipe, bool far)
 {
     struct gp_glare kept[WAYS] = {0};
     n_rows = 0;
     memset(results, 0, sizeof results);
-    for (int i = 0; i < HARD_CASES && (!recipe || tail); i++)
+    for (int i = 0; i < HARD_CASES && (!recipe || far); i++)
         add_row(&hard_cases[i], recipe, false);
     for (int i = 0; i < HARD_WIDE && recipe; i++)
-        add_row(&hard_wide[i], recipe, tail);
+        add_row(&hard_wide[i], recipe, far);
     for (int i = 0; i < n_rows; i++) {
         const int row = i % 2 ? n_rows - 1 - i / 2 : i / 2;
         if (hard_is_run(&rows[row]))
@@ -194,8 +194,8 @@ static const struct hard_column *columns_of(const double bar[WAYS])
     return column;
 }
 
-/* An exact engine's bar is what it may round, and with a tail what that leaves
- * too; a grouped layer's is the bound that the engine states for it. */
+/* An exact engine's bar is what it may round, and with a far field what that
+ * leaves too; a grouped layer's is the bound that the engine states for it. */
 static void print_errors(const char *recipe)
 {
     const double bars[WAYS] = {1e-6, recipe ? 1e-5 : 2e-6, HARD_NO_BAR,
@@ -218,7 +218,7 @@ static void print_errors(const char *recipe)
 /* Groups promise rel_l2 alone. */
 static void print_dark_pixels(const char *recipe)
 {
-    const double bar = recipe ? 1e-3 : 1e-5; // a tail's error is even
+    const double bar = recipe ? 1e-3 : 1e-5; // a far field's error is even
     const double bars[WAYS] = {1e-5, bar, HARD_NO_BAR, bar, HARD_NO_BAR};
     hard_table(titled("Dark pixels beside 1e9", recipe),
                "largest error of a pixel's luminance over its own value",
@@ -284,10 +284,10 @@ static void print_same_bytes(const char *recipe)
     hard_table_end();
 }
 
-/* `tail`: the recipe's kernels have one in wide frames. */
-static void run_tables(const char *recipe, bool tail)
+/* `far`: the recipe's kernels have one in wide frames. */
+static void run_tables(const char *recipe, bool far)
 {
-    run_all(recipe, tail);
+    run_all(recipe, far);
     print_errors(recipe);
     print_dark_pixels(recipe);
     print_same_bytes(recipe);
@@ -298,8 +298,8 @@ void hard_glare(void)
     run_tables(NULL, false);
 }
 
-/* A smooth kernel, most of which is its tail, and in wide frames a sharp one,
- * which has none. */
+/* A smooth kernel, most of which is its far field, and in wide frames a sharp
+ * one, which has none. */
 void hard_field(void)
 {
     run_tables("spencer", true);

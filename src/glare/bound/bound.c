@@ -272,11 +272,11 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     const double norm = fmax(k->norm1[0], fmax(k->norm1[1], k->norm1[2]));
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
-    const double tail = req->tail ? gp_far_error_of(req->tail)->norm : 0.0;
-    const double wrong = // the tail's error
-        tail * sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
+    const double far = req->far ? gp_far_error_of(req->far)->norm : 0.0;
+    const double wrong = // the far field's error
+        far * sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
     const double beyond = // ... of light from beyond the border
-        tail * gp_beyond_most(req->beyond) * sqrt(3.0 * src->w * src->h);
+        far * gp_beyond_most(req->beyond) * sqrt(3.0 * src->w * src->h);
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
     double least = 0.0; // lower limit of the layer's norm
     *floor = 0.0;
@@ -302,10 +302,10 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
             return st;
         least = fmax(least, other);
     }
-    // (adding the tail rounds the sum once, light from beyond the border four
-    // times)
+    // (adding the far field rounds the sum once, light from beyond the border
+    // four times)
     *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;
-    *floor += (req->tail ? 0x1p-24 : 0.0) + (req->beyond ? 0x1p-22 : 0.0);
+    *floor += (req->far ? 0x1p-24 : 0.0) + (req->beyond ? 0x1p-22 : 0.0);
     return GP_OK;
 }
 
@@ -397,10 +397,10 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
                   (double) req->params->gain;
         o.lost[c] = 0x1p-120 * (req->src->flux[c] + k->norm1[c] +
                                 2.0 * (double) req->src->n);
-        if (req->tail)
-            o.tail[c] = gp_far_pixel_error(req->tail, k->tail, req->src, c) +
+        if (req->far)
+            o.far[c] = gp_far_pixel_error(req->far, k->far, req->src, c) +
                         0x1p-24 * o.layer[c] +
-                        gp_far_error_of(req->tail)->column *
+                        gp_far_error_of(req->far)->column *
                             sqrt((double) req->src->w * req->src->h) *
                             gp_beyond_most(req->beyond);
     }
@@ -434,7 +434,7 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
     for (int c = 0; c < 3; c++) {
         const double share = f->less > 0.0 ? e->share * f->layer[c] : 0.0;
         sum += gain * fabs(f->weight[c]) * (e->of[c] + share + f->lost[c] +
-                                           f->tail[c]);
+                                           f->far[c]);
     }
     const double own =
         f->less > 0.0 ? 0.0 : e->share * (1.0 + fmax(-f->least, 0.0) / peak);

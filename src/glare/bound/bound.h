@@ -22,7 +22,7 @@ struct gp_pixel_floor {
     double less;           // most negative luminance of such light, as >= 0
     double weight[3];      // of luminance
     double layer[3], lost[3]; // most of a sample; its part under FLT_MIN
-    double tail[3];        // most error of a sample by the kernel's tail
+    double far[3];        // most error of a sample by the kernel's far field
     double rounded;        // share of a sample that rounding light from beyond
                            // the border is wrong by
 };
@@ -36,10 +36,10 @@ GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
 double gp_pixel_bound(const struct gp_pixel_floor *f,
                       const struct gp_pixel_error *e, double gain);
 
-/* Finds the error that underflow, and the kernel's tail, add to an engine's
+/* Finds the error that underflow, and the far field, add to an engine's
  * bound of rel_l2, which is for the core in floats that never leave their
  * range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
- * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
+ * frames, 1e-6 with a far field, and cheap; else by gp_layer_least().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_error_floor_find(const struct gp_glare_request *req,
                                             double *floor);

@@ -1,4 +1,4 @@
-/* Applying a tail: light to the coarse grid, a convolution, and back. */
+/* Applying a far field: light to the coarse grid, a convolution, and back. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -14,7 +14,7 @@
 enum { TAPS = GP_FAR_TAPS, MOST_STEP = 32, LANES = 8 };
 
 struct gp_far_state {
-    unsigned long tail;            // serial
+    unsigned long serial;          // of the far field
     struct gp_fft_plan_pair x, y;
     struct gp_fft_matrix spectrum; // of c, times factors of the passes
     struct gp_far_error error;
@@ -171,7 +171,7 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     struct gp_far_state *s = NULL;
     struct gp_fft_matrix m = {0};
     int *places = NULL;
-    if (*state && (*state)->tail == t->serial)
+    if (*state && (*state)->serial == t->serial)
         return GP_OK;
     // a torus on which nothing that wraps around meets a frame
     const int nx = gp_fft_length(2 * t->rx + 1);
@@ -199,7 +199,7 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
         for (int k = 0; k < TAPS; k++)
             s->at[k][i] = s->weight[i][k] = (float) b[k];
     }
-    s->tail = t->serial;
+    s->serial = t->serial;
     gp_far_close(state);
     *state = s;
     s = NULL;

@@ -1,4 +1,4 @@
-/* A tail spread over a light's disc, on the tail's own grid. */
+/* A far field spread over a light's disc, on its own grid. */
 #include "core/memory.h"
 #include "glare/far_field/far_field.h"
 #include "glare/kernel.h"
@@ -48,7 +48,7 @@ gp_status gp_kernel_spread_far(const struct gp_log *log,
     struct gp_spread_kernel *out)
 {
     gp_status st;
-    const struct gp_far_field *const t = k->tail;
+    const struct gp_far_field *const t = k->far;
     const int w = 2 * t->rx + 1, h = 2 * t->ry + 1;
     const int r = (reach + t->split.step - 1) / t->split.step + 2;
     const size_t n = (size_t) w * (size_t) h, side = 2 * (size_t) r + 1;

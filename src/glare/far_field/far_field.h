@@ -3,12 +3,12 @@
  *   K(d) = K(d) (1 - share(d)) + K(d) share(d),    share 0 to 1 as |d| grows
  *
  * The first part is the core. It is summed at every pixel, and its rim is 0.
- * The second part is the tail T. It is smooth over some 95 pixels, the width in
- * which `share` grows. So samples at every 8th pixel hold it.
+ * The second part is the far field T. It is smooth over some 95 pixels, the
+ * width in which `share` grows. So samples at every 8th pixel hold it.
  *
  * Let B be the cubic B-spline of step s, and j and k nodes of the grid. Then
  *
- *   tail(p) = sum_j B(p/s - j) sum_k C(j - k) sum_q B(q/s - k) source(q)
+ *   far(p) = sum_j B(p/s - j) sum_k C(j - k) sum_q B(q/s - k) source(q)
  *
  * From the right: light q is set down on the nodes around it, nodes are
  * convolved with C by a Fourier transform, and pixels are read between nodes. C
@@ -43,10 +43,10 @@
  * there on ends, where the coarse grid's step is 8. */
 enum { GP_FAR_CORE = 127 };
 
-/* The distances at which a kernel becomes its tail. */
+/* The distances over which a kernel changes from core to far field. */
 struct gp_far_split {
-    double from, to; // pixels from the centre: only core, only tail
-    int step;        // of the coarse grid; 0: no tail, all is core
+    double from, to; // pixels from the centre: only core, only far field
+    int step;        // of the coarse grid; 0: no far field, all is core
 };
 
 /* Chooses the split of frames of w x h pixels for a kernel that, from `smooth`
@@ -57,15 +57,15 @@ struct gp_far_split {
 struct gp_far_split gp_far_choose(double smooth, double stretch, int sharp,
                                     int w, int h);
 
-/* The tail's share of the sample at offset (x, y), in [0, 1]; the core's is 1
- * less that. A step of degree 11 in the distance; five derivatives are
+/* The far field's share of the sample at offset (x, y), in [0, 1]; the core's
+ * is 1 less that. A step of degree 11 in the distance; five derivatives are
  * continuous. */
 double gp_far_share(const struct gp_far_split *s, int x, int y);
 
 /* The whole kernel's sample at offset (x, y), >= 0; out[0] only where grey. */
 typedef void (*gp_far_sample)(const void *ctx, int x, int y, double out[3]);
 
-/* A kernel that a tail is made of. */
+/* A kernel that a far field is made of. */
 struct gp_far_kernel {
     gp_far_sample sample;
     const void *ctx;
@@ -79,14 +79,14 @@ struct gp_far_field {
     int rx, ry;         // offsets -rx .. rx, -ry .. ry of C, in steps
     float *c[3];        // (2 rx + 1) * (2 ry + 1) each; grey: c[0] only
     bool grey;
-    double sum[3];      // of the tail over offsets that such a frame meets
+    double sum[3];      // of the far field over offsets that such a frame meets
     double norm1[3], norm2[3]; // sum, and root of the sum of squares, of the
-                        // tail over all offsets; no less
-    double least;       // smallest sample where all is tail and frames meet it
+                        // far field over all offsets; no less
+    double least;       // smallest sample that frames meet from split.to on
     unsigned long serial;
 };
 
-/* Makes the tail of a kernel for frames of w x h pixels; split->step > 0.
+/* Makes the far field of a kernel for frames of w x h pixels; split->step > 0.
  * Owned by the caller; free with gp_far_free(). *out is written only on GP_OK.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_far_make(const struct gp_log *log,
@@ -96,7 +96,7 @@ void gp_far_free(struct gp_far_field *t); // NULL: nothing
 
 // -- applying it --------------------------------------------------------------
 
-/* Limits of the error of the tail, for light s of one channel. */
+/* Limits of the error of the far field, for light s of one channel. */
 struct gp_far_error {
     double norm;   // the error's 2-norm over |s|
     double pixel;  // its largest sample over the sum of s
@@ -104,12 +104,12 @@ struct gp_far_error {
     double share;  // of rounding: over the most that a sample can be
 };
 
-/* Plans, spectrum and scratch for one tail; kept from frame to frame. */
+/* Plans, spectrum and scratch for one far field; kept from frame to frame. */
 struct gp_far_state;
 void gp_far_close(struct gp_far_state **state);
 
-/* Makes *state fit the tail: NULL at first, or any. Errors: GP_ERR_IO no FFTW;
- * GP_ERR_BUG out of memory. */
+/* Makes *state fit the far field: NULL at first, or any. Errors: GP_ERR_IO no
+ * FFTW; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_far_open(const struct gp_log *log,
     const struct gp_far_field *t, struct gp_far_state **state);
 const struct gp_far_error *gp_far_error_of(const struct gp_far_state *s);
@@ -119,12 +119,12 @@ double gp_far_pixel_error(const struct gp_far_state *s,
                            const struct gp_far_field *t,
                            const struct gp_sources *src, int c);
 
-/* The tail of one frame's sources, found on the grid. */
+/* The far field of one frame's sources, found on the grid. */
 struct gp_far_rows;
 
-/* Finds the tail of the sources, one at least, for a layer of src->w * src->h,
- * at most t->w * t->h. `state` is open for t; it, the sources and the layer are
- * borrowed. Free with gp_far_rows_free().
+/* Finds the far field of the sources, one at least, for a layer of src->w *
+ * src->h, at most t->w * t->h. `state` is open for t; it, the sources and the
+ * layer are borrowed. Free with gp_far_rows_free().
  * Errors: GP_ERR_BUG out of memory, a larger frame. */
 GP_MUST_CHECK gp_status gp_far_find(const struct gp_log *log,
     const struct gp_far_field *t, const struct gp_far_state *state,
@@ -136,7 +136,7 @@ GP_MUST_CHECK gp_status gp_far_find(const struct gp_log *log,
 void gp_far_add_row(void *ctx, int i, int thread);
 void gp_far_rows_free(struct gp_far_rows **rows);
 
-/* The tail of light 1 in every pixel of w * h; as gp_far_find(). */
+/* The far field of light 1 in every pixel of w * h; as gp_far_find(). */
 GP_MUST_CHECK gp_status gp_far_flat(const struct gp_log *log,
     const struct gp_far_field *t, const struct gp_far_state *state, int w, int h,
     struct gp_far_rows **out);
@@ -149,7 +149,7 @@ void gp_far_row(const struct gp_far_rows *rows, int c, int y, int thread,
 enum {
     GP_FAR_TAPS = 4,  // nodes that a cubic B-spline meets, from one before
                        // the pixel's own
-    GP_FAR_FADE = 12, // steps over which a tail fades out past the frame
+    GP_FAR_FADE = 12, // steps over which a far field fades out past the frame
 };
 
 /* Nodes that n pixels meet: of pixel x from x / step on, the first being one

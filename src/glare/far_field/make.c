@@ -1,4 +1,4 @@
-/* Making a tail: sampled on the coarse grid, its splines divided out. */
+/* Making a far field: sampled on the coarse grid, its splines divided out. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -31,7 +31,7 @@ struct gp_far_split gp_far_choose(double smooth, double stretch, int sharp,
                                     int w, int h)
 {
     static const int LEAST_STEP = 8, MOST_STEP = 32, NODES = 512;
-    static const double WORTH = 1.5; // core and tail against the whole
+    static const double WORTH = 1.5; // core and far field against the whole
     static const double STRETCH = 2.0; // that NEAREST is enough for
     const int side = gp_max(w, h);
     struct gp_far_split s = {.step = LEAST_STEP};
@@ -75,7 +75,7 @@ struct sampling {
     double *weight[2]; // of nodes -rx .. rx, -ry .. ry: pixels_of()
 };
 
-/* Beyond the offsets that frames meet the tail fades out over GP_FAR_FADE
+/* Beyond the offsets that frames meet the far field fades out over GP_FAR_FADE
  * steps, so that it has no edge: no frame shows that part, and the error of the
  * splines and the transform is that of a smooth function everywhere. */
 static gp_status make_fade(const struct gp_log *log, int r, double **out)
@@ -122,8 +122,8 @@ static void mirror(const struct gp_far_field *t, double *at)
                w * sizeof *at);
 }
 
-/* Norms of one channel from its samples, and its least sample where all is tail
- * and frames meet it. */
+/* Norms of one channel from its samples, and the least of those that frames
+ * meet from split.to on. */
 static void find_norms(struct gp_far_field *t, int c, const double *at)
 {
     static const double MORE = 1.0 + 1e-3; // than samples of all pixels

@@ -224,14 +224,14 @@ gp_status gp_fft_shape_make(const struct gp_log *log, const struct gp_kernel *k,
             break;
         const struct gp_lit_row *const lit =
             k->lit ? &k->lit[(size_t) c * h + y] : NULL;
-        if (lit && (!lit->dark || k->tail)) { // its tail fills the gaps
+        if (lit && (!lit->dark || k->far)) { // its tail fills the gaps
             s.run[n] = (struct gp_fft_run) {lit->from - k->cx,
                                             lit->to - k->cx};
             n += lit->from < lit->to;
             continue;
         }
         uint32_t found = row_runs(k->k.c[c] + y * w, k->w, -k->cx, s.run + n);
-        if (k->tail && found > 1) {
+        if (k->far && found > 1) {
             s.run[n].to = s.run[n + found - 1].to;
             found = 1;
         }
@@ -239,7 +239,7 @@ gp_status gp_fft_shape_make(const struct gp_log *log, const struct gp_kernel *k,
     }
     if (!st) {
         s.row[h] = (uint32_t) n;
-        if (k->tail)
+        if (k->far)
             join_runs(&s, k->h);
         st = make_nodes(log, k->h, &s);
     }

@@ -174,7 +174,7 @@ void gp_fft_far_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
 {
     double all[3]; // of the kernel's own samples, without its tail
     for (int c = 0; c < 3; c++)
-        all[c] = k->tail ? box_squares(k->k.c[c], k->w, k->w, k->h)
+        all[c] = k->far ? box_squares(k->k.c[c], k->w, k->w, k->h)
                          : k->norm2[c] * k->norm2[c];
     for (int i = 0; i < GP_FFT_CORES; i++) {
         const struct gp_fft_core r = gp_fft_cores[i];
@@ -294,10 +294,10 @@ static double find_seen_of_tail(const struct gp_sources *src,
 {
     static const double SEEN = 5e-3; // of the layer's own value
     double seen = INFINITY;
-    for (int c = 0; c < 3 && k->tail; c++) {
+    for (int c = 0; c < 3 && k->far; c++) {
         if (src->flux[c] > 0.0)
             seen = fmin(seen,
-                        SEEN * gain * src->flux[c] * k->tail->least / own);
+                        SEEN * gain * src->flux[c] * k->far->least / own);
     }
     return seen;
 }
@@ -310,7 +310,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
     // far part, and with one, which is no finer
     static const double levels[2][3] = {{1e-6, 1e-4, 1e-6}, {1e-5, 2e-3, 1e-4}};
     static const double CHEAP_MS = 5.0; // more than transforms take
-    const double *const level = levels[k->tail != NULL];
+    const double *const level = levels[k->far != NULL];
     const double own = gp_sources_dark(src);
     struct search s = {
         .src = src, .tail = tail,
@@ -336,7 +336,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
         return;
     s.quads = gp_direct_quads(src);
     struct gp_fft_split found =
-        find_split(&s, k->tail ? cheap_ms : twice_ms, wanted);
+        find_split(&s, k->far ? cheap_ms : twice_ms, wanted);
     if (!(found.rounding <= wanted) && !would_do)
         found = find_split(&s, twice_ms, fmin(level[2], seen));
     if (found.rounding < INFINITY) {

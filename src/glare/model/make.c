@@ -38,14 +38,14 @@ struct mixture {
     bool grey, even, negative;
     int reach;           // of the widest shape
     // shapes that go on smoothly over the whole field: how many; whether their
-    // far parts are all that there is of the mixture; as struct gp_shape's
-    int tails;
-    bool only_tails, tail_grey, tail_even;
+    // far parts are the whole mixture; both as struct gp_shape's
+    int smooth_n;
+    bool only_far, far_grey, far_even;
     double smooth, stretch;
     int sharp;           // offsets beyond which there are only far parts
 };
 
-static bool has_tail(const struct gp_shape *s)
+static bool is_smooth(const struct gp_shape *s)
 {
     return s->smooth < INFINITY && s->reach == INT_MAX;
 }
@@ -62,14 +62,14 @@ static void add_facts(struct mixture *m, const struct gp_shape *s)
     m->even &= s->even;
     m->negative |= s->negative;
     m->reach = gp_max(m->reach, s->reach);
-    m->only_tails &= has_tail(s) && !s->far;
-    if (!has_tail(s)) {
+    m->only_far &= is_smooth(s) && !s->far;
+    if (!is_smooth(s)) {
         m->sharp = gp_max(m->sharp, s->reach);
         return;
     }
-    m->tails++;
-    m->tail_grey &= s->far ? s->far_grey : s->grey;
-    m->tail_even &= s->far ? s->far_even : s->even;
+    m->smooth_n++;
+    m->far_grey &= s->far ? s->far_grey : s->grey;
+    m->far_even &= s->far ? s->far_even : s->even;
     m->smooth = fmax(m->smooth, s->smooth);
     if (s->far)
         m->sharp = gp_max(m->sharp, s->sharp);
@@ -96,8 +96,8 @@ static gp_status open_mixture(const struct gp_log *log,
 {
     double sum = 0.0;
     *m = (struct mixture) {
-        .grey = true, .even = true, .only_tails = true, .tail_grey = true,
-        .tail_even = true, .stretch = fmax(field->aspect, 1.0 / field->aspect),
+        .grey = true, .even = true, .only_far = true, .far_grey = true,
+        .far_even = true, .stretch = fmax(field->aspect, 1.0 / field->aspect),
     };
     for (int i = 0; i < n; i++) {
         gp_status st = open_shape(log, &r[i], field, &m->shape[i]);
@@ -131,14 +131,14 @@ static void mix_row(const struct mixture *m, bool far, int x, int y, int n,
         const bool part = far && s->far;
         const int from = gp_max(x, s->reach < INT_MAX ? -s->reach : x);
         const int to = s->reach < INT_MAX ? gp_min(x + n, s->reach + 1) : x + n;
-        if (abs(y) > s->reach || from >= to || (far && !has_tail(s)))
+        if (abs(y) > s->reach || from >= to || (far && !is_smooth(s)))
             continue;
         (part ? s->far : s->row)(s->state, from, y, to - from, out);
         if (!part && y == 0 && x <= 0 && x + n > 0) {
             for (int c = 0; c < (s->grey ? 1 : 3); c++)
                 strip[c][-from] += s->own[c];
         }
-        for (int c = 0; c < ((far ? m->tail_grey : m->grey) ? 1 : 3); c++) {
+        for (int c = 0; c < ((far ? m->far_grey : m->grey) ? 1 : 3); c++) {
             const double *const v =
                 strip[(part ? s->far_grey : s->grey) ? 0 : c];
             for (int k = from; k < to; k++)
@@ -151,16 +151,16 @@ static void mix_row(const struct mixture *m, bool far, int x, int y, int n,
 
 // -- planes -------------------------------------------------------------------
 
-/* Samples of offsets -rx .. rx, -ry .. ry; less the tail's share of each. */
+/* Samples of offsets -rx .. rx, -ry .. ry, less the far field's shares. */
 struct filling {
     const struct mixture *m;
-    const struct gp_far_split *split; // step 0: no tail
+    const struct gp_far_split *split; // step 0: no far field
     int rx, ry;
     struct gp_planes k;
 };
 
-/* Takes the tail's share of n samples from (x, y) on from them. */
-static void take_tail(const struct mixture *m,
+/* Takes the far field's share of n samples from (x, y) on from them. */
+static void take_far(const struct mixture *m,
     const struct gp_far_split *split, int x, int y, int n,
     double sum[3][GP_SHAPE_STRIP])
 {
@@ -171,12 +171,12 @@ static void take_tail(const struct mixture *m,
     }
     if (!(most > 0.0))
         return;
-    if (!m->only_tails)
+    if (!m->only_far)
         mix_row(m, true, x, y, n, far);
     for (int c = 0; c < (m->grey ? 1 : 3); c++) {
-        const double *const v = m->only_tails ? sum[c]
-                                              : far[m->tail_grey ? 0 : c];
-        // the tail is no more than the whole but for rounding
+        const double *const v = m->only_far ? sum[c]
+                                              : far[m->far_grey ? 0 : c];
+        // the far field is no more than the whole but for rounding
         for (int k = 0; k < n; k++)
             sum[c][k] = fmax(sum[c][k] - share[k] * v[k], 0.0);
     }
@@ -197,7 +197,7 @@ static void make_row(void *ctx, int i, int thread)
         const int n = gp_min(f->rx + 1 - x, GP_SHAPE_STRIP);
         mix_row(m, false, x, y, n, sum);
         if (f->split->step)
-            take_tail(m, f->split, x, y, n, sum);
+            take_far(m, f->split, x, y, n, sum);
         for (int c = 0; c < (m->grey ? 1 : 3); c++) {
             float *const row = f->k.c[c] + at + f->rx;
             for (int k = 0; k < n; k++) {
@@ -217,10 +217,10 @@ static void make_row(void *ctx, int i, int thread)
 /* Finds m->tint: what a shape takes less of than of other channels stays in its
  * pixel; light that is left out counts as white. No channel has more to give than
  * all of its pixel: where the tint needs that, it is faded until it does not.
- * Errors: GP_ERR_USAGE the tail has that tint. */
+ * Errors: GP_ERR_USAGE the far field has that tint. */
 static gp_status find_tint(const struct gp_log *log, struct mixture *m,
     const struct gp_planes *k, size_t n, size_t centre,
-    const struct gp_far_field *tail, const float weight[3])
+    const struct gp_far_field *far, const float weight[3])
 {
     double sum[3], squares, all = 0.0, middle = 0.0, least = 0.0;
     m->tint = (struct tint) {.known = true};
@@ -228,13 +228,13 @@ static gp_status find_tint(const struct gp_log *log, struct mixture *m,
         return GP_OK;
     gp_planes_sum(k, n, sum, &squares);
     for (int c = 0; c < 3; c++) {
-        sum[c] += tail ? tail->sum[c] : 0.0;
+        sum[c] += far ? far->sum[c] : 0.0;
         all += (double) weight[c] * sum[c];
         middle += (double) weight[c] * (double) k->c[c][centre];
     }
     for (int c = 0; c < 3; c++)
         least = fmin(least, (double) k->c[c][centre] + all - sum[c]);
-    if (least < 0.0 && tail && !tail->grey) // what is left falls with the share
+    if (least < 0.0 && far && !far->grey) // what is left falls with the share
         return gp_fail(log, GP_ERR_USAGE, "kernel: a channel would spread more "
                        "than all of its light; multiply share= by %.2g or less",
                        0.99 * all / (all - least));
@@ -268,16 +268,16 @@ static void mix_pixel(const void *ctx, int x, int y, double out[3])
     const struct mixture *const m = ctx;
     double sum[3][GP_SHAPE_STRIP];
     mix_row(m, true, x, y, 1, sum);
-    for (int c = 0; c < (m->tail_grey ? 1 : 3); c++)
+    for (int c = 0; c < (m->far_grey ? 1 : 3); c++)
         out[c] = sum[c][0];
 }
 
-/* True where the tail is nowhere more than each shape that has one. */
+/* True where no shape has less light at a place than its far field takes. */
 static bool is_within(const struct mixture *m, const struct gp_far_split *s)
 {
     for (int i = 0; i < m->n; i++) {
         const struct gp_shape *const one = &m->shape[i];
-        if (!has_tail(one) || !one->far)
+        if (!is_smooth(one) || !one->far)
             continue;
         for (int r = (int) s->from; r <= s->to; r++) {
             // neither falls with the distance
@@ -288,11 +288,11 @@ static bool is_within(const struct mixture *m, const struct gp_far_split *s)
     return true;
 }
 
-/* Chooses the split of a mixture; step 0: no tail. */
+/* Chooses the split of a mixture; step 0: no far field. */
 static struct gp_far_split choose_split(const struct mixture *m, int w, int h)
 {
     struct gp_far_split s = {0};
-    if (!m->tails || m->negative)
+    if (!m->smooth_n || m->negative)
         return s;
     double smooth = m->smooth;
     do {
@@ -303,15 +303,15 @@ static struct gp_far_split choose_split(const struct mixture *m, int w, int h)
 }
 
 /* Makes the core of a mixture for frames of w x h pixels, less what `split`
- * gives to the tail, if its step is not 0; `weight` is of luminance. */
+ * gives to the far field, if its step is not 0; `weight` is of luminance. */
 static gp_status make_core(const struct gp_log *log, struct mixture *m,
-    const struct gp_far_split *split, const struct gp_far_field *tail,
+    const struct gp_far_split *split, const struct gp_far_field *far,
     const float *weight, int w, int h, struct gp_kernel *out)
 {
-    const int far = split->step ? gp_max((int) ceil(split->to) - 1, m->sharp)
+    const int last = split->step ? gp_max((int) ceil(split->to) - 1, m->sharp)
                                 : m->reach;
-    struct filling f = {.m = m, .split = split, .rx = gp_min(w - 1, far),
-                        .ry = gp_min(h - 1, far)};
+    struct filling f = {.m = m, .split = split, .rx = gp_min(w - 1, last),
+                        .ry = gp_min(h - 1, last)};
     const int columns = 2 * f.rx + 1, rows = 2 * f.ry + 1;
     const size_t n = (size_t) columns * (size_t) rows;
     gp_status st = gp_planes_make(log, "kernel", n, &f.k);
@@ -320,7 +320,7 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
     gp_parallel_do(m->even ? f.ry + 1 : rows, make_row, &f);
     const size_t centre = n / 2;
     if (!m->tint.known)
-        st = find_tint(log, m, &f.k, n, centre, tail, weight);
+        st = find_tint(log, m, &f.k, n, centre, far, weight);
     if (st) {
         gp_planes_free(&f.k);
         return st;
@@ -329,12 +329,12 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
     return gp_kernel_of_planes(log, "kernel", columns, rows, &f.k, out);
 }
 
-/* Joins a tail, which the kernel then owns, to its core; NULL: there is none.
- * Finds the light that is left out. */
-static void join_tail(struct gp_far_field *t, const struct gp_field *field,
+/* Joins a far field, which the kernel then owns, to its core; NULL: there is
+ * none. Finds the light that is left out. */
+static void join_far(struct gp_far_field *t, const struct gp_field *field,
                       struct gp_kernel *k)
 {
-    k->tail = t;
+    k->far = t;
     k->left_out = 1.0;
     for (int c = 0; c < 3; c++) {
         if (t) {
@@ -367,7 +367,7 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
 {
     struct mixture m;
     struct gp_kernel k = {0};
-    struct gp_far_field *tail = NULL;
+    struct gp_far_field *far = NULL;
     if (!isfinite(field->rotate) || !(field->degrees > 0.0) ||
         !(field->degrees <= 180.0))
         return gp_fail_at(log, GP_ERR_USAGE, "field.degrees",
@@ -380,12 +380,12 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
     const struct gp_far_split split = choose_split(&m, field->w, field->h);
     if (split.step)
         GP_TRY(gp_far_make(log, &split, field->w, field->h,
-            &(struct gp_far_kernel) {mix_pixel, &m, m.tail_grey, m.tail_even},
-            &tail));
-    GP_TRY(make_core(log, &m, &split, tail, field->luminance, field->w,
+            &(struct gp_far_kernel) {mix_pixel, &m, m.far_grey, m.far_even},
+            &far));
+    GP_TRY(make_core(log, &m, &split, far, field->luminance, field->w,
                      field->h, &k));
-    join_tail(tail, field, &k);
-    tail = NULL;
+    join_far(far, field, &k);
+    far = NULL;
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k.origin, &k.origin));
     k.origin->n = n;
     k.origin->field = *field;
@@ -395,7 +395,7 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
     k = (struct gp_kernel) {0};
 out:
     close_mixture(&m);
-    gp_far_free(tail);
+    gp_far_free(far);
     gp_kernel_free(&k);
     return st;
 }
@@ -412,7 +412,7 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
     m.tint = o->tint;
     st = make_core(log, &m, &whole, NULL, o->field.luminance, w, h, out);
     if (!st)
-        join_tail(NULL, &o->field, out);
+        join_far(NULL, &o->field, out);
     close_mixture(&m);
     return st;
 }

@@ -161,7 +161,7 @@ double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f);
 
 /* Makes the kernel of n recipes, 1 to GP_RECIPES, for a field: where every
  * recipe is smooth far out, a core at full rate in out->k and the rest in
- * out->tail, else all in out->k: sum + left_out = 1 in luminance.
+ * out->far, else all in out->k: sum + left_out = 1 in luminance.
  * Written only on GP_OK; free with gp_kernel_free().
  * Errors: GP_ERR_USAGE an angle that is not finite, a key that this field
  * cannot serve; GP_ERR_DATA a bad mask or image; GP_ERR_BUG out of memory. */
@@ -170,8 +170,8 @@ GP_MUST_CHECK gp_status gp_model_kernel(const struct gp_log *log,
     struct gp_kernel *out);
 
 /* Every sample that a frame of w x h pixels can meet, at full rate, offsets
- * -(w - 1) .. w - 1 and -(h - 1) .. h - 1, with no tail: what the engine
- * `direct` and the truth sum. Of a kernel without tail a copy of k.
+ * -(w - 1) .. w - 1 and -(h - 1) .. h - 1, with no far field: what the engine
+ * `direct` and the truth sum. Of a kernel without far field a copy of k.
  * Written only on GP_OK. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_kernel_whole(const struct gp_log *log,
     const struct gp_kernel *k, int w, int h, struct gp_kernel *out);

@@ -162,7 +162,7 @@ static gp_status find_grouping(const struct gp_log *log,
     const bool transforms = !gp_fftwd_open(NULL, &lib);
     k.k = drawn->k;
     k.unturned = NULL;
-    k.tail = NULL;
+    k.far = NULL;
     k.lit = NULL;
     k.serial = 0; // no engine keeps what it makes of it
     if (transforms) {

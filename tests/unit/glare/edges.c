@@ -118,7 +118,7 @@ static void flat_pictures_stay_flat(void **state)
 }
 
 /* The layer is the plain sum's, within 1e-6 or its bound, with kernels that have
- * a tail, without, off centre, tinted and negative. */
+ * a far field, without, off centre, tinted and negative. */
 static void layers_are_the_plain_sum(void **state)
 {
     static const enum shape shapes[] = {PEAK, TINTED, LOBES, BORDER, DIPOLE};

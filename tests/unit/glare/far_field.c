@@ -24,7 +24,7 @@ struct made {
     struct gp_far_state *s;
 };
 
-static struct made make_tail(int w, int h, bool grey, const double *degrees)
+static struct made make_far(int w, int h, bool grey, const double *degrees)
 {
     const struct gp_far_split split = gp_far_choose(0.0, 1.0, 0, w, h);
     struct made m = {0};
@@ -35,7 +35,7 @@ static struct made make_tail(int w, int h, bool grey, const double *degrees)
     return m;
 }
 
-static void drop_tail(struct made *m)
+static void drop_far(struct made *m)
 {
     gp_far_close(&m->s);
     gp_far_free(m->t);
@@ -61,7 +61,7 @@ static struct gp_sources lights(int w, int h, int n, float light, uint32_t seed)
     return s;
 }
 
-/* The tail of sources, added to black. */
+/* The far field of sources, added to black. */
 static struct gp_planes added(const struct made *m, const struct gp_sources *s)
 {
     const size_t n = (size_t) s->w * (size_t) s->h;
@@ -76,7 +76,7 @@ static struct gp_planes added(const struct made *m, const struct gp_sources *s)
     return p;
 }
 
-/* The tail's samples as a kernel, for the plain sum. */
+/* The far field's samples as a kernel, for the plain sum. */
 static struct gp_kernel plain(const struct made *m, const double *degrees)
 {
     const int w = 2 * m->t->w - 1, h = 2 * m->t->h - 1;
@@ -95,7 +95,7 @@ static struct gp_kernel plain(const struct made *m, const double *degrees)
     return k;
 }
 
-/* The error of a tail against the plain sum, over its limits. */
+/* The error of a far field against the plain sum, over its limits. */
 struct error {
     double norm, pixel, layer; // the last: the error's norm over the sum's
 };
@@ -151,7 +151,7 @@ static void sums_are_those_of_the_kernel(void **state)
     (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         const int w = rows[i].w, h = rows[i].h;
-        struct made m = make_tail(w, h, rows[i].grey, rows[i].degrees);
+        struct made m = make_far(w, h, rows[i].grey, rows[i].degrees);
         struct gp_sources s = lights(w, h, rows[i].n, rows[i].light,
                                      (uint32_t) i);
         const struct error e = compare(&m, &s, rows[i].degrees);
@@ -159,18 +159,18 @@ static void sums_are_those_of_the_kernel(void **state)
                       e.norm, e.pixel, e.layer);
         assert_true(e.norm <= 1.0 && e.pixel <= 1.0 && e.layer < 1e-3);
         gp_sources_free(&s);
-        drop_tail(&m);
+        drop_far(&m);
     }
 }
 
-/* The sum that a tail says it has is that of its samples, and light in the
+/* The sum that a far field says it has is that of its samples, and light in the
  * middle leaves a frame's part of it. */
 static void sums_are_kept(void **state)
 {
     static const int size[][2] = {{300, 250}, {1, 400}, {411, 283}};
     (void) state;
     for (size_t i = 0; i < COUNT(size); i++) {
-        struct made m = make_tail(size[i][0], size[i][1], false, &fine);
+        struct made m = make_far(size[i][0], size[i][1], false, &fine);
         struct gp_kernel k = plain(&m, &fine);
         for (int c = 0; c < 3; c++) {
             assert_true(fabs(k.sum[c] - m.t->sum[c]) < 1e-8);
@@ -178,17 +178,17 @@ static void sums_are_kept(void **state)
             assert_true(m.t->norm2[c] >= k.norm2[c]);
         }
         gp_kernel_free(&k);
-        drop_tail(&m);
+        drop_far(&m);
     }
 }
 
-/* A disc's tail at the grid's own pixels is the plain sum over the disc. */
-static void discs_have_tails(void **state)
+/* A disc's far field on the grid's own pixels is the plain sum over it. */
+static void discs_have_far_fields(void **state)
 {
     enum { W = 400, H = 300, REACH = 9, SIDE = 2 * REACH + 1 };
     const double degrees = fine;
-    struct made m = make_tail(W, H, false, &degrees);
-    const struct gp_kernel k = {.tail = m.t};
+    struct made m = make_far(W, H, false, &degrees);
+    const struct gp_kernel k = {.far = m.t};
     const int step = m.t->split.step;
     struct gp_spread_kernel out;
     float weight[SIDE * SIDE];
@@ -202,7 +202,7 @@ static void discs_have_tails(void **state)
         const int x = (int) floor(out.cx) + u, y = (int) floor(out.cy) + v;
         double sum[3] = {0};
         if (abs(u) * step > W - REACH || abs(v) * step > H - REACH)
-            continue; // the tail fades there
+            continue; // the far field fades there
         for (int j = 0; j < SIDE * SIDE; j++) {
             const int dx = u * step - (j % SIDE - REACH);
             const int dy = v * step - (j / SIDE - REACH);
@@ -219,12 +219,12 @@ static void discs_have_tails(void **state)
         }
     }
     gp_planes_free(&out.k);
-    drop_tail(&m);
+    drop_far(&m);
 }
 
 static void larger_frames_are_refused(void **state)
 {
-    struct made m = make_tail(300, 200, true, &fine);
+    struct made m = make_far(300, 200, true, &fine);
     struct gp_sources s = lights(301, 200, 3, 1.0f, 1u);
     struct gp_planes p;
     struct gp_far_rows *rows = NULL;
@@ -235,9 +235,9 @@ static void larger_frames_are_refused(void **state)
     assert_non_null(strstr(kept_line, "300x200"));
     gp_planes_free(&p);
     gp_sources_free(&s);
-    drop_tail(&m);
+    drop_far(&m);
 }
 
 SUITE_OF(far_field, NULL, NULL, sums_are_those_of_the_kernel, sums_are_kept,
-         discs_have_tails, larger_frames_are_refused)
+         discs_have_far_fields, larger_frames_are_refused)
 

@@ -89,7 +89,7 @@ static void images_are_the_models_in_other_primaries(void **state)
         struct gp_kernel made, wanted;
         model_make(rows[i].model, &from, &made);
         model_make(rows[i].model, &to, &wanted);
-        assert_null(made.tail); // all samples are in the image
+        assert_null(made.far); // all samples are in the image
         struct gp_image f = image_of(&made, rows[i].from);
         struct gp_kernel got = kernel_in(&f, rows[i].to, GP_NORMALIZE_NONE);
         got.cx = made.cx, got.cy = made.cy;

@@ -295,7 +295,7 @@ static void frames_have_their_own_kernels(void **state)
     };
     struct gp_kernel_request r = {.recipes = 2};
     struct gp_kernels *kernels;
-    struct gp_far_state *tail = NULL;
+    struct gp_far_state *far = NULL;
     r.recipe[0] = scene_recipe("cie");
     r.recipe[1] = scene_recipe("temporal:reach=1,wavelengths=3");
     assert_ok(gp_kernels_make(NULL, &r, &kernels));
@@ -312,15 +312,15 @@ static void frames_have_their_own_kernels(void **state)
         assert_true(m->k.w == k.w && m->k.h == k.h);
         assert_memory_equal(m->k.k.c[0], k.k.c[0],
                             (size_t) k.w * (size_t) k.h * sizeof(float));
-        assert_ok(gp_far_open(NULL, m->k.tail, &tail));
-        assert_ok(gp_far_open(NULL, k.tail, &own));
-        assert_memory_equal(gp_far_error_of(tail), gp_far_error_of(own),
+        assert_ok(gp_far_open(NULL, m->k.far, &far));
+        assert_ok(gp_far_open(NULL, k.far, &own));
+        assert_memory_equal(gp_far_error_of(far), gp_far_error_of(own),
                             sizeof(struct gp_far_error));
         gp_far_close(&own);
         gp_kernel_free(&k);
         gp_made_kernel_free(&m);
     }
-    gp_far_close(&tail);
+    gp_far_close(&far);
     gp_kernels_free(&kernels);
     gp_kernel_request_free(&r);
 }
