@@ -19,7 +19,7 @@ enum { STRIP = 64 }; // columns a task takes
 struct blurring {
     const struct gp_kernel *kernel;
     struct gp_rect crop;
-    bool tail;
+    bool hollow;
     int side, odd;      // side = odd * 2^n
     const struct gp_blur *out;
     int strips;
@@ -70,11 +70,11 @@ static void blur_strip(void *ctx, int i, int thread)
         const int ky = b->crop.y0 + y;
         const float *const in =
             k->k.c[c] + (size_t) ky * (size_t) k->w + b->crop.x0;
-        const bool core = b->tail && abs(ky - k->cy) <= GP_CORE_RADIUS;
+        const bool middle = b->hollow && abs(ky - k->cy) <= GP_MIDDLE_RADIUS;
         for (int j = 0; j < n + before; j++) {
             const int x = x0 - before + j;
             const bool left_out = x < 0 || x >= w ||
-                (core && abs(b->crop.x0 + x - k->cx) <= GP_CORE_RADIUS);
+                (middle && abs(b->crop.x0 + x - k->cx) <= GP_MIDDLE_RADIUS);
             row[j] = left_out ? 0.0 : (double) in[x];
         }
         sum_box(b, row, n + before, 1);
@@ -90,11 +90,11 @@ static void blur_strip(void *ctx, int i, int thread)
 }
 
 gp_status gp_blur_make(const struct gp_log *log, const struct gp_kernel *kernel,
-    struct gp_rect crop, bool tail, int side, struct gp_blur *out)
+    struct gp_rect crop, bool hollow, int side, struct gp_blur *out)
 {
     gp_status st;
     struct gp_blur o = {.grey = kernel->grey};
-    struct blurring b = {.kernel = kernel, .tail = tail, .side = side,
+    struct blurring b = {.kernel = kernel, .hollow = hollow, .side = side,
                          .out = &o};
     crop = gp_rect_meet(crop, (struct gp_rect) {0, 0, kernel->w, kernel->h});
     if (!gp_rect_empty(crop)) {
@@ -134,7 +134,7 @@ void gp_blur_free(struct gp_blur *b)
 /* -- shrinking ------------------------------------------------------------- */
 
 gp_status gp_rings_make(const struct gp_log *log, const struct gp_kernel *k,
-    struct gp_rect crop, bool tail, struct gp_rings *out)
+    struct gp_rect crop, bool hollow, struct gp_rings *out)
 {
     gp_status st;
     struct gp_rings r = {0};
@@ -153,7 +153,7 @@ gp_status gp_rings_make(const struct gp_log *log, const struct gp_kernel *k,
             const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
             for (int x = crop.x0; x < crop.x1; x++) {
                 const int d = gp_max(abs(x - k->cx), abs(y - k->cy));
-                if (tail && d <= GP_CORE_RADIUS)
+                if (hollow && d <= GP_MIDDLE_RADIUS)
                     continue; // drawn elsewhere
                 r.beyond[c][d] += fabs((double) row[x]);
                 r.peak[d] = gp_maxf(r.peak[d], fabsf(row[x]));
@@ -221,7 +221,7 @@ gp_status gp_shrink_make(const struct gp_log *log,
     const struct gp_polygons *polygons, struct gp_shrink *out)
 {
     gp_status st = GP_OK;
-    const bool tail = !gp_splat_single(p);
+    const bool hollow = !gp_splat_single(p);
     struct lights l = {0};
     struct gp_rings r = {0};
     double *left = NULL;
@@ -239,7 +239,7 @@ gp_status gp_shrink_make(const struct gp_log *log,
         s.reach[b] = INT_MAX / 2;
     if (p->shrink > 0.0f && l.all > 0.0) {
         const struct gp_rect whole = {0, 0, kernel->w, kernel->h};
-        GP_TRY(gp_rings_make(log, kernel, whole, tail, &r));
+        GP_TRY(gp_rings_make(log, kernel, whole, hollow, &r));
         GP_TRY(gp_alloc_zero(log, "shrinking", (size_t) r.n + 1, sizeof *left,
                              &left));
         for (int i = 0; i <= r.n; i++) {
@@ -266,7 +266,7 @@ gp_status gp_shrink_make(const struct gp_log *log,
         for (int b = 0; b < GP_SOURCE_BINS; b++) {
             const int n = rings_kept(&r, b, (double) s.least);
             const int reach = n ? n - 1 + carry : 0;
-            s.reach[b] = tail ? gp_max(reach, GP_CORE_RADIUS) : reach;
+            s.reach[b] = hollow ? gp_max(reach, GP_MIDDLE_RADIUS) : reach;
         }
     }
     *out = s;

@@ -44,20 +44,20 @@ struct residue {
     struct gp_planes d; // (w + 2 pad) * (h + 2 pad)
 };
 
-/* Pixels of a polygon's light on one axis: box + 1 from `first`, the
+/* Pixels of a polygon's light on one axis: box + 1 from `start`, the
  * ones between the ends all with weight 1 / box. */
 struct footprint {
-    int first;
-    double head, body, tail; // weights
+    int start;
+    double first, middle, last; // weights
 };
 
 static struct footprint make_footprint(float at, int box)
 {
     const double start = (double) at - (box - 1) / 2.0;
-    const double fraction = start - floor(start), body = 1.0 / box;
+    const double part = start - floor(start), each = 1.0 / box;
     return (struct footprint) {
-        .first = (int) floor(start),
-        .head = (1.0 - fraction) * body, .body = body, .tail = fraction * body,
+        .start = (int) floor(start),
+        .first = (1.0 - part) * each, .middle = each, .last = part * each,
     };
 }
 
@@ -68,14 +68,15 @@ static void subtract(const struct residue *r, const struct gp_polygon *p)
     const struct footprint u = make_footprint(p->x, box);
     const size_t width = (size_t) r->w + 2 * (size_t) r->pad;
     for (int j = 0; j <= box; j++) {
-        const double down = j == 0 ? v.head : j < box ? v.body : v.tail;
+        const double down = j == 0 ? v.first : j < box ? v.middle : v.last;
         for (int c = 0; c < 3 && down > 0.0; c++) {
             float *const to = r->d.c[c] +
-                              (size_t) (v.first + r->pad + j) * width +
-                              (size_t) (u.first + r->pad);
+                              (size_t) (v.start + r->pad + j) * width +
+                              (size_t) (u.start + r->pad);
             const double light = (double) p->rgb[c] * down;
             for (int i = 0; i <= box; i++) {
-                const double along = i == 0 ? u.head : i < box ? u.body : u.tail;
+                const double along = i == 0  ? u.first
+                                     : i < box ? u.middle : u.last;
                 if (along > 0.0)
                     to[i] -= (float) (light * along);
             }
@@ -206,7 +207,8 @@ static double spread_square(const struct gp_polygon *p, float at)
 {
     const int box = gp_blur_box[p->blur];
     const struct footprint f = make_footprint(at, box);
-    return f.head * f.head + f.tail * f.tail + (box - 1) * f.body * f.body;
+    return f.first * f.first + (box - 1) * f.middle * f.middle +
+           f.last * f.last;
 }
 
 static gp_status find_left_out(const struct gp_log *log,
@@ -306,7 +308,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     struct gp_rings rings = {0};
     struct gp_blur drawn = {0};
     double wrong[3] = {0}, norm[3], least;
-    const bool tail = !gp_splat_single(p);
+    const bool hollow = !gp_splat_single(p);
     int side = 1;
     *out = INFINITY;
     if (kernel->negative)
@@ -318,7 +320,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     if (side > 1) {
         GP_TRY(gp_blur_make(log, kernel,
                             (struct gp_rect) {0, 0, kernel->w, kernel->h},
-                            tail, 1, &drawn));
+                            hollow, 1, &drawn));
         GP_TRY(make_residue(log, src, polygons, side + 1, &residue));
         GP_TRY(find_grouping(log, &residue, src, kernel, &drawn, polygons,
                              norm));
@@ -333,7 +335,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
             wrong[c] += norm[c];
     }
     if (shrink->left_out > 0.0) {
-        GP_TRY(gp_rings_make(log, kernel, crop, tail, &rings));
+        GP_TRY(gp_rings_make(log, kernel, crop, hollow, &rings));
         GP_TRY(find_left_out(log, &rings, polygons, shrink, norm));
         for (int c = 0; c < 3; c++)
             wrong[c] += norm[c];

@@ -74,17 +74,18 @@ gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
                                const struct gp_kernel *k, int which)
 {
     struct gp_splat_kernel *const o = &s->kernel[which];
-    const bool core = which == GP_SPLAT_CORE;
+    const bool middle = which == GP_SPLAT_MIDDLE;
     const struct gp_rect around = {
-        k->cx - GP_CORE_RADIUS, k->cy - GP_CORE_RADIUS,
-        k->cx + GP_CORE_RADIUS + 1, k->cy + GP_CORE_RADIUS + 1,
+        k->cx - GP_MIDDLE_RADIUS, k->cy - GP_MIDDLE_RADIUS,
+        k->cx + GP_MIDDLE_RADIUS + 1, k->cy + GP_MIDDLE_RADIUS + 1,
     };
-    const struct gp_rect crop = core ? gp_rect_meet(around, s->crop) : s->crop;
+    const struct gp_rect crop =
+        middle ? gp_rect_meet(around, s->crop) : s->crop;
     if (o->texture.id || gp_rect_empty(crop))
         return GP_OK;
     struct gp_blur b = {0};
-    gp_status st = gp_blur_make(log, k, crop, s->tail && !core,
-                                core ? 1 : gp_blur_box[which], &b);
+    gp_status st = gp_blur_make(log, k, crop, s->hollow && !middle,
+                                middle ? 1 : gp_blur_box[which], &b);
     if (st)
         return st;
     const size_t bytes = (size_t) b.w * (size_t) b.h * (b.grey ? 1 : 4) *
@@ -245,7 +246,7 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
     if (st)
         return st;
     const bool shrinks = k->layout->params.shrink > 0.0f &&
-                         which != GP_SPLAT_CORE;
+                         which != GP_SPLAT_MIDDLE;
     const struct gp_uniform uniform[] = {
         {.name = "sensors", .texture = g->sensors},
         {.name = "reaches", .block = &s->reaches},
@@ -348,7 +349,7 @@ static gp_status draw_grid(const struct drawing *k, const struct grid *g)
 
 /* -- the whole ------------------------------------------------------------- */
 
-/* Draws each pixel for itself, or its core for itself, and groups and clusters,
+/* Draws each pixel, or its middle, for itself, and groups and clusters,
  * which are made on the way. */
 static gp_status draw_grids(const struct drawing *k)
 {
@@ -366,9 +367,9 @@ static gp_status draw_grids(const struct drawing *k)
     GP_TRY(upload_sources(k->req->log, s, src));
     if (k->layout->single)
         return draw_grid(k, &pixels);
-    GP_TRY(draw_with(k, &pixels, &s->total, GP_SPLAT_CORE, 0,
+    GP_TRY(draw_with(k, &pixels, &s->total, GP_SPLAT_MIDDLE, 0,
                      pixels.cells.w * pixels.cells.h));
-    if (!k->layout->tail)
+    if (!k->layout->outer)
         return GP_OK;
     // clusters first: their cells hold no groups
     const struct grid clusters = {

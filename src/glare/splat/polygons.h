@@ -16,11 +16,11 @@
 
 /* -- groups and clusters --------------------------------------------------- */
 
-/* Half the side, less one half, of the kernel's core: 17x17 pixels that each
+/* Half the side, less one half, of the kernel's middle: 17x17 pixels that each
  * source draws by itself, while only the rest is drawn from groups. */
-enum { GP_CORE_RADIUS = 8 };
+enum { GP_MIDDLE_RADIUS = 8 };
 
-/* Tests whether each source is a polygon: then core and rest are one kernel. */
+/* Tests whether each source is a polygon of the whole kernel. */
 static inline bool gp_splat_single(const struct gp_splat_params *p)
 {
     return p->group == 1 && !p->cluster;
@@ -84,12 +84,12 @@ struct gp_blur {
 };
 
 /* Makes the kernel blurred by a box of side `side`, cut first to `crop` (in
- * kernel pixels), and without its core when `tail`: samples with both
- * |dx|, |dy| <= GP_CORE_RADIUS from the kernel's centre count as 0.
+ * kernel pixels), and without its middle when `hollow`: samples with both
+ * |dx|, |dy| <= GP_MIDDLE_RADIUS from the kernel's centre count as 0.
  * Written only on GP_OK; free with gp_blur_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_blur_make(const struct gp_log *log,
-    const struct gp_kernel *kernel, struct gp_rect crop, bool tail, int side,
+    const struct gp_kernel *kernel, struct gp_rect crop, bool hollow, int side,
     struct gp_blur *out);
 void gp_blur_free(struct gp_blur *b);
 
@@ -101,10 +101,10 @@ struct gp_rings {
     float *peak;       // n + 1: largest magnitude of them, any channel
 };
 
-/* Makes them of the samples in `crop`, without the core when `tail`. Free with
- * gp_rings_free(). Errors: GP_ERR_BUG out of memory. */
+/* Makes them of the samples in `crop`, without the middle when `hollow`. Free
+ * with gp_rings_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_rings_make(const struct gp_log *log,
-    const struct gp_kernel *k, struct gp_rect crop, bool tail,
+    const struct gp_kernel *k, struct gp_rect crop, bool hollow,
     struct gp_rings *out);
 void gp_rings_free(struct gp_rings *r);
 
@@ -116,7 +116,7 @@ struct gp_shrink {
     float least;
     /* Reach in pixels by gp_source_bin(L0): pixels with |dx| and |dy| up to
      * this from P0 are drawn; those beyond are left out. INT_MAX / 2 draws
-     * all. At least GP_CORE_RADIUS, but of single sources. Grows with the bin. */
+     * all. At least GP_MIDDLE_RADIUS, or 0 of single sources. Grows with L0. */
     int reach[GP_SOURCE_BINS];
     double left_out; // bound of the share of light that is left out, <= share
 };
@@ -133,7 +133,7 @@ GP_MUST_CHECK gp_status gp_shrink_make(const struct gp_log *log,
  * of each polygon that splat draws with these settings, as in figure 6 of the
  * paper: the pixels at the edge of the square around P0 that its reach leaves,
  * cut to what the kernel covers there. Edges outside the frame are not seen.
- * The sources that draw only their core are no polygons.
+ * The sources that draw only their middle are no polygons.
  *
  *   picture  src->w x src->h planes, changed where there is a line
  * Errors: GP_ERR_BUG out of memory. */

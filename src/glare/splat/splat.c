@@ -17,7 +17,7 @@
 
 enum {
     CHUNK_MIN = 64,     // polygons; adding up costs as much as two
-    CORE_SIDE = 2 * GP_CORE_RADIUS + 1,
+    MIDDLE_SIDE = 2 * GP_MIDDLE_RADIUS + 1,
     SMOOTH_ROUNDINGS = 9, // of a bilinear sample
     QUAD_PIXELS = 1 << 25, // of a target that quads are blended in: 512 MiB
 };
@@ -51,11 +51,11 @@ static double roundings(const struct gp_splat_layout *p)
     if (!p->single) // a cell's light, row by row
         sums += SMOOTH_ROUNDINGS +
                 2.0 * gp_max(p->params.cluster, p->params.group);
-    if (p->core)
-        sums += CORE_SIDE * CORE_SIDE;
-    // of tiles a core goes by direct, in groups of 32, and is added to the rest
+    if (p->middle)
+        sums += MIDDLE_SIDE * MIDDLE_SIDE;
+    // by tiles, direct sums a middle in groups of 32 and adds it to the layer
     const double tiled = gp_tiles_roundings(&p->polygons) +
-                         (p->core ? 36.0 : 0.0);
+                         (p->middle ? 36.0 : 0.0);
     return fmax(2.0 * (1.0 + sums), tiled);
 }
 
@@ -68,22 +68,22 @@ static double overlap(double low, double high, int limit)
     return n > 0.0 ? n : 0.0;
 }
 
-/* Pixels of cores and polygons on the layer. */
+/* Pixels of middles and polygons on the layer. */
 static double count_pixels(const struct gp_glare_request *req,
                            const struct gp_splat_layout *p)
 {
     const struct gp_sources *const s = req->src;
     const struct gp_kernel *const k = req->kernel;
     double pixels = 0.0;
-    for (int y = s->box.y0; p->core && y < s->box.y1; y++) {
+    for (int y = s->box.y0; p->middle && y < s->box.y1; y++) {
         double columns = 0.0;
         for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-            columns += overlap(s->x[i] - GP_CORE_RADIUS,
-                               s->x[i] + GP_CORE_RADIUS, s->w);
-        pixels += columns * overlap(y - GP_CORE_RADIUS, y + GP_CORE_RADIUS,
+            columns += overlap(s->x[i] - GP_MIDDLE_RADIUS,
+                               s->x[i] + GP_MIDDLE_RADIUS, s->w);
+        pixels += columns * overlap(y - GP_MIDDLE_RADIUS, y + GP_MIDDLE_RADIUS,
                                     s->h);
     }
-    for (size_t i = 0; p->tail && i < p->polygons.n; i++) {
+    for (size_t i = 0; p->outer && i < p->polygons.n; i++) {
         const struct gp_polygon *const q = &p->polygons.at[i];
         const double reach = p->shrink.reach[gp_source_bin(q->light)];
         const double half = 0.5 * (gp_blur_box[q->blur] - 1);
@@ -109,11 +109,11 @@ static gp_status make_layout(const struct gp_glare_request *req,
     const struct gp_kernel *const k = req->kernel;
     struct gp_splat_layout o = {.params = req->params->splat};
     o.single = gp_splat_single(&o.params);
-    o.core = !o.single;
+    o.middle = !o.single;
     o.crop = crop_of(k, req->src->w, req->src->h,
                      gp_max(o.params.cluster, o.params.group));
-    const long long cx = k->cx, cy = k->cy, r = GP_CORE_RADIUS;
-    o.tail = !o.core || o.crop.x0 < cx - r || o.crop.x1 - 1 > cx + r ||
+    const long long cx = k->cx, cy = k->cy, r = GP_MIDDLE_RADIUS;
+    o.outer = !o.middle || o.crop.x0 < cx - r || o.crop.x1 - 1 > cx + r ||
              o.crop.y0 < cy - r || o.crop.y1 - 1 > cy + r;
     GP_TRY(gp_polygons_make(req->log, req->src, &o.params, &o.polygons));
     const size_t root = (size_t) sqrt((double) o.polygons.n) + 1;
@@ -213,12 +213,12 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     GP_TRY(gp_splat_open(req->log, state, req->params->gl));
     struct gp_splat *const s = *state;
     GP_TRY(make_layout(req, &layout));
-    if (!k->serial || k->serial != s->serial || s->tail != p->core ||
+    if (!k->serial || k->serial != s->serial || s->hollow != p->middle ||
         memcmp(&s->crop, &p->crop, sizeof s->crop) != 0)
         gp_splat_drop_kernels(s);
     s->serial = k->serial;
     s->crop = p->crop;
-    s->tail = p->core;
+    s->hollow = p->middle;
     const struct gp_gl_info *const gl = gp_gl_info(s->gl);
     enum gp_primitive form = p->params.primitive;
     if (form == GP_PRIMITIVE_AUTO)
@@ -227,24 +227,25 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         form = GP_PRIMITIVE_TILE; // no target holds the layer
     if (form == GP_PRIMITIVE_QUAD)
         GP_TRY(gp_splat_draw(req, s, p));
-    else if (p->tail)
+    else if (p->outer)
         GP_TRY(gp_tiles_draw(req, s, p));
     else
         gp_planes_clear(req->layer, 0, pixels);
-    if (form == GP_PRIMITIVE_TILE && p->core) {
-        // the core of each single source goes by direct: a software context
+    if (form == GP_PRIMITIVE_TILE && p->middle) {
+        // the middle of each single source goes by direct: a software context
         // has no faster place, and blending squares of 17 pixels is what it
         // does worst
-        GP_TRY(gp_taps_cut(req->log, k, GP_CORE_RADIUS, GP_CORE_RADIUS, &taps));
+        GP_TRY(gp_taps_cut(req->log, k, GP_MIDDLE_RADIUS, GP_MIDDLE_RADIUS,
+                           &taps));
         GP_TRY(gp_direct_sum(req->log, req->src, &taps, true, req->layer));
     }
     struct glarepp_layer_facts *const stats = req->stats;
-    if (p->tail) {
+    if (p->outer) {
         stats->groups = (long long) p->polygons.groups;
         stats->clusters = (long long) p->polygons.clusters;
         stats->polygons = (long long) p->polygons.n;
     }
-    stats->cores = p->core ? (long long) req->src->n : 0;
+    stats->cores = p->middle ? (long long) req->src->n : 0;
     stats->polygon_pixels = p->polygon_pixels;
     stats->form = forms[form];
     stats->bound = p->bound;

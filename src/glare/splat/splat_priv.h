@@ -17,8 +17,8 @@
 struct gp_splat_layout {
     struct gp_splat_params params;
     bool single;                   // each source is a polygon on whole pixels
-    bool core;                     // sources draw the kernel's core
-    bool tail;                     // the kernel is more than its core
+    bool middle;                   // sources draw the kernel's middle
+    bool outer;                    // the kernel is more than its middle
     struct gp_rect crop;           // of the kernel, that can reach the frame
     struct gp_polygons polygons;
     size_t chunk;                  // polygons summed separately before their
@@ -27,7 +27,7 @@ struct gp_splat_layout {
                                    // equal terms in float may drift by n / 2
                                    // roundings
     struct gp_shrink shrink;
-    double polygon_pixels;         // of polygons and cores, on the layer
+    double polygon_pixels;         // of polygons and middles, on the layer
     double bound;                  // of rel_l2, for any way to draw
 };
 
@@ -35,9 +35,9 @@ struct gp_splat_layout {
 
 enum { GP_SPLAT_TEXELS = 1 << 19 }; // of a list of tiles, and of scratch
 
-/* Kernels on GL: one for each blur, and GP_CORE_RADIUS pixels around the
+/* Kernels on GL: one for each blur, and GP_MIDDLE_RADIUS pixels around the
  * centre. */
-enum { GP_SPLAT_CORE = GP_BLURS, GP_SPLAT_KERNELS };
+enum { GP_SPLAT_MIDDLE = GP_BLURS, GP_SPLAT_KERNELS };
 struct gp_splat_kernel {
     struct gp_texture texture; // four samples a texel where it is grey, the
                                // last one's rest 0; else one of each plane
@@ -58,12 +58,12 @@ struct gp_splat {
     struct gp_buffer entries; // of tiles
     float *texel;             // GP_SPLAT_TEXELS on their way in or out
 
-    // kernels of one serial and crop, all but the core without it where `tail`
+    // kernels of one serial and crop; where `hollow`, blurs lack the middle
     struct gp_splat_kernel kernel[GP_SPLAT_KERNELS];
     size_t bytes; // of all of them, about
     unsigned long serial;
     struct gp_rect crop;
-    bool tail;
+    bool hollow;
 };
 
 /* Makes *state, unless it is there, and its context, which is current
@@ -109,7 +109,7 @@ void gp_splat_drop_kernels(struct gp_splat *s);
 GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_request *req,
     struct gp_splat *s, const struct gp_splat_layout *layout);
 
-/* Writes the polygons' light, without cores, to the layer, gathered per tile:
+/* Writes the polygons' light, without middles, to the layer, gathered per tile:
  * one fragment pass over a tile sums over the polygons that reach it, so that
  * nothing is blended.
  *

@@ -10,7 +10,7 @@ struct blur_row {
     int w, h, cx, cy;
     enum shape shape;
     struct gp_rect crop; // all zero: the whole kernel
-    bool tail;
+    bool hollow;
     int side;
 };
 
@@ -37,7 +37,7 @@ static struct gp_rect crop_of(const struct blur_row *r)
                                   : r->crop;
 }
 
-/* Sample (x, y) of the cut kernel without its core. */
+/* Sample (x, y) of the cut kernel without its middle. */
 static double cut_sample(const struct gp_kernel *k, const struct blur_row *r,
                          struct gp_rect crop, int c, int x, int y)
 {
@@ -45,8 +45,8 @@ static double cut_sample(const struct gp_kernel *k, const struct blur_row *r,
     y += crop.y0;
     if (x < crop.x0 || x >= crop.x1 || y < crop.y0 || y >= crop.y1)
         return 0.0;
-    if (r->tail && abs(x - k->cx) <= GP_CORE_RADIUS &&
-        abs(y - k->cy) <= GP_CORE_RADIUS)
+    if (r->hollow && abs(x - k->cx) <= GP_MIDDLE_RADIUS &&
+        abs(y - k->cy) <= GP_MIDDLE_RADIUS)
         return 0.0;
     return (double) k->k.c[c][y * k->w + x];
 }
@@ -99,7 +99,7 @@ static void blurs_are_box_means(void **state)
             k.cx = r->cx;
             k.cy = r->cy;
         }
-        assert_ok(gp_blur_make(NULL, &k, crop_of(r), r->tail, r->side, &b));
+        assert_ok(gp_blur_make(NULL, &k, crop_of(r), r->hollow, r->side, &b));
         assert_int_equal(b.grey, k.grey);
         check_blur(&k, r, &b);
         gp_blur_free(&b);
@@ -111,8 +111,8 @@ static void blurs_are_box_means(void **state)
 /* -- shrinking --------------------------------------------------------------*/
 
 /* Light of the kernel's samples more than `reach` away, over its whole, the
- * largest channel. Without its core when `tail`. */
-static double beyond(const struct gp_kernel *k, int reach, bool tail)
+ * largest channel. Without its middle when `hollow`. */
+static double beyond(const struct gp_kernel *k, int reach, bool hollow)
 {
     double worst = 0.0;
     for (int c = 0; c < 3; c++) {
@@ -120,7 +120,7 @@ static double beyond(const struct gp_kernel *k, int reach, bool tail)
         for (int i = 0; i < k->w * k->h; i++) {
             const int dx = abs(i % k->w - k->cx), dy = abs(i / k->w - k->cy);
             const int d = dx > dy ? dx : dy;
-            if (d > reach && !(tail && d <= GP_CORE_RADIUS))
+            if (d > reach && !(hollow && d <= GP_MIDDLE_RADIUS))
                 sum += fabs((double) k->k.c[c][i]);
         }
         worst = fmax(worst, sum / k->norm1[c]);
@@ -131,7 +131,7 @@ static double beyond(const struct gp_kernel *k, int reach, bool tail)
 struct shrink_row {
     int w, h, cx, cy;
     enum shape shape;
-    bool tail; // beside the core
+    bool hollow; // beside the middle
     float share;
     float brightest; // light of the polygons: from 1e-6 of that up
 };
@@ -170,12 +170,12 @@ static void check_shrink(const struct gp_kernel *k, const struct shrink_row *r,
     double share, const struct gp_polygons *q, const struct gp_shrink *s,
     const char *what)
 {
-    const bool tail = r->tail;
+    const bool hollow = r->hollow;
     double left = 0.0, all = 0.0;
     for (size_t i = 0; i < q->n; i++) {
         const double light = (double) q->at[i].light;
         const int reach = s->reach[gp_source_bin(q->at[i].light)];
-        left += light * beyond(k, reach - 5, tail);
+        left += light * beyond(k, reach - 5, hollow);
         all += light;
     }
     if (left > share * all * (1.0 + 1e-9) ||
@@ -183,7 +183,7 @@ static void check_shrink(const struct gp_kernel *k, const struct shrink_row *r,
         fail_msg("%s: %g left out, %g said, %g allowed", what, left / all,
                  s->left_out, share);
     for (int b = 0; b < GP_SOURCE_BINS; b++) {
-        assert_true(s->reach[b] >= (tail ? GP_CORE_RADIUS : 0));
+        assert_true(s->reach[b] >= (hollow ? GP_MIDDLE_RADIUS : 0));
         assert_true(b == 0 || s->reach[b] >= s->reach[b - 1]);
     }
 }
@@ -196,7 +196,7 @@ static void what_is_left_out_is_allowed(void **state)
         struct gp_polygon at[LIGHTS];
         const struct gp_polygons q = lights(r->brightest, at);
         const struct gp_splat_params p = {
-            .group = r->tail ? 8 : 1, .shrink = r->share,
+            .group = r->hollow ? 8 : 1, .shrink = r->share,
         };
         struct gp_shrink s;
         char what[16];

@@ -17,7 +17,7 @@ struct plain_drawing {
     const struct gp_polygons *polygons;
     const struct gp_shrink *shrink;
     struct gp_blur blur[GP_BLURS]; // those in use
-    bool core;
+    bool middle;
     double *layer;
 };
 
@@ -32,8 +32,8 @@ static inline void plain_reached(float at, int reach, int base, int n, int size,
     *to = (int) fmin(fmin(high, size), (double) n - base);
 }
 
-/* Adds the kernel's core of the sources of row `sy` to row y. */
-static inline void plain_cores(const struct plain_drawing *d, int sy, int y)
+/* Adds the kernel's middle of the sources of row `sy` to row y. */
+static inline void plain_middles(const struct plain_drawing *d, int sy, int y)
 {
     const struct gp_kernel *const k = d->kernel;
     const size_t plane = (size_t) d->src->w * (size_t) d->src->h;
@@ -45,7 +45,7 @@ static inline void plain_cores(const struct plain_drawing *d, int sy, int y)
         double *const out =
             d->layer + (size_t) c * plane + (size_t) y * (size_t) d->src->w;
         for (uint32_t i = d->src->row[sy]; i < d->src->row[sy + 1]; i++) {
-            for (int dx = -GP_CORE_RADIUS; dx <= GP_CORE_RADIUS; dx++) {
+            for (int dx = -GP_MIDDLE_RADIUS; dx <= GP_MIDDLE_RADIUS; dx++) {
                 const int x = d->src->x[i] + dx, kx = k->cx + dx;
                 if (x >= 0 && x < d->src->w && kx >= 0 && kx < k->w)
                     out[x] += (double) d->src->rgb[c][i] * (double) row[kx];
@@ -88,14 +88,15 @@ static inline void plain_groups_row(void *ctx, int y, int thread)
                           (double) row[x + left + right];
         }
     }
-    for (int sy = y - GP_CORE_RADIUS; d->core && sy <= y + GP_CORE_RADIUS; sy++)
-        plain_cores(d, sy, y);
+    for (int sy = y - GP_MIDDLE_RADIUS;
+         d->middle && sy <= y + GP_MIDDLE_RADIUS; sy++)
+        plain_middles(d, sy, y);
 }
 
 /* Writes 3 * w * h doubles, the layer of the polygons as they are meant to be
  * drawn: each adds light * blurred kernel, sampled bilinearly at pixel - P0, cut
  * to |dx|, |dy| <= reach of the shrink; unless sources are single, each adds its
- * core. Slow. */
+ * middle. Slow. */
 static inline void plain_groups(const struct gp_sources *src,
                                 const struct gp_kernel *kernel,
                                 const struct gp_splat_params *p,
@@ -104,14 +105,14 @@ static inline void plain_groups(const struct gp_sources *src,
 {
     struct plain_drawing d = {
         .src = src, .kernel = kernel, .polygons = polygons, .shrink = shrink,
-        .core = !gp_splat_single(p), .layer = layer,
+        .middle = !gp_splat_single(p), .layer = layer,
     };
     const struct gp_rect whole = {0, 0, kernel->w, kernel->h};
     bool used[GP_BLURS] = {0};
     for (size_t i = 0; i < polygons->n; i++)
         used[polygons->at[i].blur] = true;
     for (int i = 0; i < GP_BLURS; i++) {
-        if (used[i] && gp_blur_make(NULL, kernel, whole, d.core,
+        if (used[i] && gp_blur_make(NULL, kernel, whole, d.middle,
                                     gp_blur_box[i], &d.blur[i]))
             abort();
     }
