@@ -408,7 +408,7 @@ struct glarepp_light_params {
     size_t size;
     const struct glarepp_light *light; // `lights` of them
     int lights;
-    const char *file;      // JSON of more; NULL: none; man/lights.md
+    const char *file;      // JSON of more, as in man/lights.md; NULL: none
     const char *cameras;   // JSON of a camera, maybe a sun, for each frame
     struct glarepp_light sun; // of that sun all but its place
     const char *flare;     // elements drawn for lights or bright pixels: JSON,

@@ -94,8 +94,7 @@ struct gp_camera {
  *   out        written on GP_OK only
  * Errors: GP_ERR_DATA a matrix with NaN or Inf; to_ndc that is no projection
  * (column 3 has no axis, as of an orthographic camera; singular; entries over
- * 1e30 times the axis); a singular to_camera; GP_NDC_AUTO near neither (names
- * --ndc). */
+ * 1e30 times the axis); a singular to_camera; GP_NDC_AUTO near neither. */
 GP_MUST_CHECK gp_status gp_camera_make(
     const struct gp_log *log, const char *path, const double *to_camera,
     const double to_ndc[16], enum gp_ndc ndc, struct gp_camera *out);
