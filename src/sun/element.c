@@ -2,7 +2,7 @@
  * rays, areas, and rows of them and of images.
  *
  * With (x, y) a pixel's centre less the element's place, turned into the
- * element's axes and y divided by its aspect's share, R the radius:
+ * element's axes and y divided by its aspect's factor, R the radius:
  *
  *   round shapes   T(t) * g(direction)      t = norm(x, y) / R
  *   rays           sum of T(a / (L R)) * section(b)   a along, b across a ray
@@ -149,9 +149,9 @@ static gp_status make_table(const struct gp_log *log, struct gp_flare_look *l)
     // edges reach half a pixel beyond
     const double far = e->dispersion > 0.0 ? GP_NM_TO : GP_NM_FROM;
     const double largest = 1.0 + e->dispersion * (far - 550.0) / 300.0;
-    l->reach = most * largest + steepness(e) / (l->radius * thin);
-    l->n = gp_max(2048, (int) fmin(4.0 * l->reach * l->radius, 65536.0));
-    l->per_t = l->n / l->reach;
+    l->extent = most * largest + steepness(e) / (l->radius * thin);
+    l->n = gp_max(2048, (int) fmin(4.0 * l->extent * l->radius, 65536.0));
+    l->per_t = l->n / l->extent;
     gp_status st = gp_alloc_zero(log, "a flare element's profile",
                                  3 * ((size_t) l->n + 2), sizeof *l->table,
                                  &l->table);
@@ -181,7 +181,7 @@ static gp_status make_table(const struct gp_log *log, struct gp_flare_look *l)
 // -- rays --------------------------------------------------------------------
 
 /* Angle (counter-clockwise from the element's), length and half width of ray i,
- * the last two as shares of the radius. */
+ * the last two as fractions of the radius. */
 static void make_rays(struct gp_flare_look *l)
 {
     const struct gp_flare_element *const e = &l->e;
@@ -233,7 +233,7 @@ static float norm_of(const struct gp_flare_look *l, float x, float y, int *side)
 {
     const float rho = sqrtf(x * x + y * y);
     if (l->e.shape != GP_FLARE_POLYGON)
-        return rho * l->share;
+        return rho * l->pixel;
     float most = 0.0f;
     for (int i = 0; i < l->e.sides; i++) {
         const float v = l->side[i][0] * x + l->side[i][1] * y;
@@ -241,7 +241,7 @@ static float norm_of(const struct gp_flare_look *l, float x, float y, int *side)
         most = gp_maxf(most, v);
     }
     const float round = (float) l->e.round;
-    return (most + round * (rho - most)) * l->share;
+    return (most + round * (rho - most)) * l->pixel;
 }
 
 /* Factor of the direction. */
@@ -255,7 +255,7 @@ static float direction_of(const struct gp_flare_look *l, float x, float y)
     }
     if (e->shape == GP_FLARE_RING && e->completion < 1.0) {
         const float at = fabsf(atan2f(y, x)) / (float) (M_PI * e->completion);
-        const float ends = gp_maxf((float) e->feather, l->share);
+        const float ends = gp_maxf((float) e->feather, l->pixel);
         const float v = gp_clamp01((1.0f - at) / ends);
         return v * v * (3.0f - 2.0f * v);
     }
@@ -280,7 +280,7 @@ static void find_areas(struct gp_flare_look *l)
             const double t = i / l->per_t, v = (double) l->table[3 * i + c];
             const double weight = (i ? 1.0 : 0.5) / l->per_t;
             sum += (rays ? v : v * t) * weight;
-            thin += v * fmax(1.0 - t / l->reach, 0.0) * weight;
+            thin += v * fmax(1.0 - t / l->extent, 0.0) * weight;
         }
         across = 0.0;
         for (int i = 0; i < l->rays; i++)
@@ -303,7 +303,7 @@ gp_status gp_flare_look_make(const struct gp_log *log,
     gp_status st;
     l.diameter = diameter;
     l.radius = fmax(0.5 * diameter, least_radius(e));
-    l.share = (float) (1.0 / l.radius);
+    l.pixel = (float) (1.0 / l.radius);
     l.across = (float) (l.radius / steepness(e));
     l.aspect = has_rays(e) || e->shape == GP_FLARE_DIRT ? 1.0
                                                                  : e->aspect;
@@ -512,7 +512,7 @@ static void add_look(const struct gp_flare_quad *q, int y,
     const bool cut = q->cut[0] != 0.0f || q->cut[1] != 0.0f;
     int first = 0, end = gp_rect_w(q->rect);
     if (!l->rays) { // within a circle
-        const double r = l->reach * l->radius * fmax(l->aspect, 1.0) + 1.0;
+        const double r = l->extent * l->radius * fmax(l->aspect, 1.0) + 1.0;
         const double half = sqrt(fmax(r * r - (double) (py * py), 0.0)) + 1.0;
         first = gp_clamp_whole(-half - (double) q->base[0], 0, end);
         end = gp_clamp_whole(half - (double) q->base[0] + 1.0, first, end);

@@ -24,9 +24,9 @@ struct gp_flare_ray {
 struct gp_flare_look {
     struct gp_flare_element e;  // borrows
     double diameter;            // asked for, pixels
-    double radius, reach;       // pixels; of the profile, in radii
+    double radius, extent;      // pixels; of the profile, in radii
     double aspect, per_t;       // entries of the table in a radius
-    float share;                // 1 / radius
+    float pixel;                // in radii: 1 / radius
     float across;               // pixels across an edge for 1 of the norm
     float edge[6];              // hard edges, in radii; `edges` of them
     int edges;

@@ -31,7 +31,7 @@ struct gp_light {
                        // channel counts them (along the view axis or along
                        // the ray; for normalized depth in its 0 to 1);
                        // INFINITY: a sun, beyond everything
-    double bias;       // share of depth that may be nearer and hides nothing
+    double bias;       // fraction of depth that may be nearer and hides nothing
     float flux[3];     // scene-linear, summed over pixels, >= 0
     char name[GP_LIGHT_NAME]; // for flare of some lights; "": none
     bool behind;       // the camera: is drawn nowhere, shows nothing but what
@@ -66,7 +66,7 @@ GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
  * the axis for z and inverse, along the ray for ray; for normalized it cannot
  * be known: GP_ERR_DATA asks for "depth". A lamp's own ball is in the depth
  * channel of many frames: it hides nothing, as the bias grows by the ball's
- * share of the depth.
+ * radius over the depth.
  *   c     NULL: no camera; GP_ERR_USAGE when the place needs one (says that
  *         the frame has no worldToNDC, and that --camera gives one)
  *   path  of the frame, for the message

@@ -115,9 +115,9 @@ void gp_occluders_count(struct gp_occluders *o)
     const struct gp_depth_range fore = gp_depth_range_of(o->type, false);
     const struct gp_depth_range back = gp_depth_range_of(o->type, true);
     const int are = kinds_of(o->depth->v, n, fore, back);
-    const bool share = o->type == GP_DEPTH_NORMALIZED;
+    const bool normalized = o->type == GP_DEPTH_NORMALIZED;
     const bool axis = o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY;
-    if (share)
+    if (normalized)
         o->reversed = !(are & (ONE | OVER)) && are & ZERO;
     else if (axis)
         o->reversed = !(are & FORE) && are & BACK;
@@ -130,7 +130,7 @@ void gp_occluders_count(struct gp_occluders *o)
         span_huge(o->depth->v, n, &lo, &hi);
     snprintf(huge, sizeof huge, lo == hi ? "%g" : "%g to %g", (double) lo,
              (double) hi);
-    const bool first = !share || o->reversed; // 0 and less is empty
+    const bool first = !normalized || o->reversed; // 0 and less is empty
     const struct {
         int is;
         const char *text;
@@ -138,8 +138,8 @@ void gp_occluders_count(struct gp_occluders *o)
         {first ? ZERO : 0, "0"},
         {TINY, "under 1e-09"},
         {first && !(axis && o->reversed) ? NEGATIVE : 0, "negative"},
-        {share ? ONE : 0, "1"},
-        {share ? OVER : 0, "over 1"},
+        {normalized ? ONE : 0, "1"},
+        {normalized ? OVER : 0, "over 1"},
         {axis ? HALF_MAX : 0, o->reversed ? "-65504" : "65504"},
         {axis ? HUGE_ONE : 0, huge},
         {axis ? INFINITE : 0, "inf"},
