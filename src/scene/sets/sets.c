@@ -111,7 +111,7 @@ static struct volume hull_of(const struct gp_sets_view *view,
 
 /* A light made ready: a ball of its range, a spot's cut by its cone; of a
  * directional one all of space. */
-struct reach {
+struct light_range {
     struct gp_from from;   // place, or direction to it
     double range;          // INFINITY: none
     struct gp_v3 along;    // of a spot
@@ -121,21 +121,21 @@ struct reach {
 
 /* Returns how far a light reaches along an axis whose cosine with its cone's is
  * `at`. */
-static double reach_along(const struct reach *r, double at)
+static double range_along(const struct light_range *r, double at)
 {
-    double share = 1.0; // the cosine of the cone's nearest direction
+    double cosine = 1.0; // of the cone's nearest direction
     if (r->sin != 0.0 && at < r->cos)
         // rounded up; 0 where it points away: the apex
-        share = fmax(0.0, at * r->cos +
-                     sqrt(fmax(0.0, 1.0 - at * at)) * r->sin + 1e-12);
-    return share > 0.0 ? share * r->range : 0.0;
+        cosine = fmax(0.0, at * r->cos +
+                      sqrt(fmax(0.0, 1.0 - at * at)) * r->sin + 1e-12);
+    return cosine > 0.0 ? cosine * r->range : 0.0;
 }
 
-static struct reach reach_of(const struct gp_scene_light *light)
+static struct light_range range_of(const struct gp_scene_light *light)
 {
     const bool sun = light->kind == GP_LIGHT_DIRECTIONAL;
     const struct gp_v3 a = light->along;
-    struct reach r = {
+    struct light_range r = {
         .from = {sun ? gp_v3_scale(a, -1.0) : light->at, sun ? 0.0 : 1.0},
         .range = sun ? INFINITY : light->range, .along = a,
     };
@@ -143,18 +143,18 @@ static struct reach reach_of(const struct gp_scene_light *light)
         r.cos = cos(light->outer);
         r.sin = sin(light->outer);
     }
-    r.box.lo = gp_v3_sub(r.from.p, (struct gp_v3) {reach_along(&r, -a.x),
-                                                   reach_along(&r, -a.y),
-                                                   reach_along(&r, -a.z)});
-    r.box.hi = gp_v3_add(r.from.p, (struct gp_v3) {reach_along(&r, a.x),
-                                                   reach_along(&r, a.y),
-                                                   reach_along(&r, a.z)});
+    r.box.lo = gp_v3_sub(r.from.p, (struct gp_v3) {range_along(&r, -a.x),
+                                                   range_along(&r, -a.y),
+                                                   range_along(&r, -a.z)});
+    r.box.hi = gp_v3_add(r.from.p, (struct gp_v3) {range_along(&r, a.x),
+                                                   range_along(&r, a.y),
+                                                   range_along(&r, a.z)});
     return r;
 }
 
 /* True where an object's box is beyond the range, or its sphere is outside the
  * cone. */
-static bool reach_misses(const struct reach *r, const struct gp_object *o)
+static bool range_misses(const struct light_range *r, const struct gp_object *o)
 {
     const struct gp_v3 e = gp_box_half(&o->box);
     const struct gp_v3 v = gp_v3_sub(gp_box_middle(&o->box), r->from.p);
@@ -171,13 +171,13 @@ static bool reach_misses(const struct reach *r, const struct gp_object *o)
 }
 
 /* False where the light's volume cannot meet a frustum. */
-static bool reach_meets(const struct reach *r, const struct volume *v)
+static bool range_meets(const struct light_range *r, const struct volume *v)
 {
     for (int i = 0; i < v->planes && r->from.w != 0.0; i++) {
         const struct gp_half h = v->plane[i];
         // the farthest point of ball, or cone, inwards
         if (gp_half_at(h, r->from.p) -
-                reach_along(r, -gp_v3_dot(h.n, r->along)) > v->slack)
+                range_along(r, -gp_v3_dot(h.n, r->along)) > v->slack)
             return false;
     }
     return true;
@@ -524,8 +524,8 @@ void gp_sets_close(struct gp_sets **sets)
 
 /* Returns half the sides of an object's box, wider by what lookups in a map of
  * shadows may be off. */
-static struct gp_v3 wide_half(const struct gp_sets *s, const struct reach *r,
-                              const struct gp_object *o)
+static struct gp_v3 wide_half(const struct gp_sets *s,
+    const struct light_range *r, const struct gp_object *o)
 {
     const struct gp_v3 e = gp_box_half(&o->box);
     const struct gp_v3 to = gp_v3_sub(gp_box_middle(&o->box), r->from.p);
@@ -535,7 +535,7 @@ static struct gp_v3 wide_half(const struct gp_sets *s, const struct reach *r,
 }
 
 /* Takes objects in an umbra out of L, and lists I. */
-static void find_lit(struct gp_sets *s, const struct reach *r)
+static void find_lit(struct gp_sets *s, const struct light_range *r)
 {
     gp_umbras_light(s->umbras, s->use & GP_SETS_LIGHTS ? s->flag : NULL,
                     r->from);
@@ -553,7 +553,7 @@ static void find_lit(struct gp_sets *s, const struct reach *r)
 
 /* Flags I, and S: of L, what meets the hull of the light and of what it
  * lights. */
-static void flag_light(struct gp_sets *s, const struct reach *r,
+static void flag_light(struct gp_sets *s, const struct light_range *r,
                        const struct gp_scissor *lit)
 {
     struct gp_scissor wide = *lit;
@@ -575,13 +575,13 @@ static void flag_light(struct gp_sets *s, const struct reach *r,
 struct gp_scissor gp_sets_light(struct gp_sets *s, int light)
 {
     const struct gp_sets_view *const v = &s->view;
-    const struct reach r = reach_of(&s->scene->light[light]);
-    const bool any = shows_depths(s), meets = reach_meets(&r, &s->frustum);
+    const struct light_range r = range_of(&s->scene->light[light]);
+    const bool any = shows_depths(s), meets = range_meets(&r, &s->frustum);
     bool reached = any; // any of V
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         s->flag[i] &= GP_SET_F | GP_SET_V;
-        if (!meets || gp_box_empty(o->box) || reach_misses(&r, o))
+        if (!meets || gp_box_empty(o->box) || range_misses(&r, o))
             continue;
         reached |= (s->flag[i] & GP_SET_V) != 0;
         s->flag[i] |= GP_SET_L;

@@ -7,7 +7,7 @@
  *
  *   F  in the frustum
  *   V  in F, and not hidden by the frame's depth
- *   L  in a light's reach and cone, and not wholly in the umbra of its largest
+ *   L  in a light's range and cone, and not wholly in the umbra of its largest
  *      occluders
  *   I  V and L: lit anew
  *   S  casts shadows: L in the hull of the light and of what it lights */
@@ -27,7 +27,7 @@ enum {
 };
 
 /* Parts of visibility, each a row of Table 15-1. Without any V is F, L the
- * reach, S is L, and the scissor is the window. */
+ * range, S is L, and the scissor is the window. */
 enum {
     GP_SETS_OCCLUSION = 1, // V by depth
     GP_SETS_LIGHTS = 2,    // L by umbras
