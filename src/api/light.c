@@ -142,7 +142,7 @@ gp_status gp_api_shares(struct glarepp_frame *f)
         [GLAREPP_READBACK] = "readback",
     };
     struct gp_suns *const suns = &f->work->lights->suns;
-    if (f->plan->lit)
+    if (f->plan->lights)
         f->facts.shares_by = methods[f->plan->sun.method];
     if (!f->hidden)
         gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
@@ -153,7 +153,7 @@ gp_status gp_api_shares(struct glarepp_frame *f)
         st = gp_suns_measure(&f->log, suns);
     if (!st && suns->gl)
         f->facts.shares_gl = gp_gl_info(suns->gl)->name;
-    return st || !f->plan->lit ? st : note_shares(f);
+    return st || !f->plan->lights ? st : note_shares(f);
 }
 
 gp_status gp_api_flare(struct glarepp_frame *f)

@@ -86,7 +86,7 @@ static gp_status take_layer(struct glarepp_plan *plan,
     plan->glare.gain = p.gain;
     plan->glare.tolerance = p.tolerance;
     plan->glare.tolerance_pixel = p.tolerance_pixel;
-    plan->glare.fft_double = p.in_double;
+    plan->glare.in_double = p.in_double;
     plan->glare.gl = (enum gp_gl_api) p.gl;
     plan->glare.splat.group = p.group;
     plan->glare.splat.cluster = p.cluster;
@@ -122,7 +122,7 @@ static gp_status take_lights(struct glarepp_plan *plan,
     p.light = light;
     p.sun.name[sizeof p.sun.name - 1] = '\0';
     GP_TRY(gp_api_check(&plan->log, "light", &p.sun));
-    plan->lit = p.lights || p.file || p.cameras;
+    plan->lights = p.lights || p.file || p.cameras;
     GP_TRY(keep(plan, &p.file));
     GP_TRY(keep(plan, &p.cameras));
     GP_TRY(keep(plan, &p.flare));
@@ -141,7 +141,7 @@ static gp_status take_scene(struct glarepp_plan *plan,
     GP_TRY(keep(plan, &p.camera));
     GP_TRY(keep_list(plan, &p.relight, p.relights));
     plan->scene = p;
-    plan->lit |= p.path != NULL;
+    plan->lights |= p.path != NULL;
     plan->sun.faded |= p.path && p.light_scale > 0.0;
 out:
     return st;
@@ -261,7 +261,7 @@ gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
     if (w)
         return GP_OK;
     GP_TRY(gp_alloc_zero(&plan->log, "plan", 1, sizeof *w, &w));
-    if (plan->lit || plan->sun.flare)
+    if (plan->lights || plan->sun.flare)
         GP_TRY(gp_api_lights_begin(plan, w));
     if (plan->scene.path)
         GP_TRY(gp_api_scene_begin(plan, w));
@@ -317,7 +317,7 @@ static gp_status fill_facts(struct glarepp_plan *plan,
     }
     for (int i = 0; i < n; i++)
         plan->file[f->files++] = more[i];
-    f->lights = plan->lit;
+    f->lights = plan->lights;
     return GP_OK;
 }
 

@@ -77,8 +77,7 @@ struct glarepp_plan {
     struct gp_glare_params glare;
     struct gp_compose_params compose;
     enum glarepp_edges edges;
-    bool lit;                      // a frame may have lights, its own or a
-                                   // scene's
+    bool lights; // a frame may have lights, its own or a scene's
     struct glarepp_light_params sun;
     struct glarepp_lens_params lens_params; // lens NULL: none
     struct glarepp_scene_params scene;      // path NULL: none

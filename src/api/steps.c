@@ -558,9 +558,9 @@ static bool is_asked(const struct glarepp_plan *plan, enum glarepp_step step)
     return step == GLAREPP_POSE      ? plan->scene.path != NULL
            : step == GLAREPP_RELIGHT ? plan->scene.relights > 0
            : step == GLAREPP_LENS    ? plan->lens_params.lens != NULL
-           : step == GLAREPP_PLACE || step == GLAREPP_SHARES ? plan->lit
-           : step == GLAREPP_FLARE   ? plan->lit || plan->sun.flare
-                                     : true;
+           : step == GLAREPP_PLACE || step == GLAREPP_SHARES ? plan->lights
+           : step == GLAREPP_FLARE ? plan->lights || plan->sun.flare
+                                   : true;
 }
 
 /* Lends work to a frame, for the steps that need it. */
