@@ -15,7 +15,7 @@
 struct output {
     dev_t device;
     ino_t node;           // the file's, or its folder's
-    uint64_t tail;        // hash of the name in the folder; 0: the file exists
+    uint64_t hash;        // of the name in the folder; 0: the file exists
     bool open;            // a descriptor, which may be given several times
     size_t order;
     char *name;           // of the file, as written; owned
@@ -78,7 +78,7 @@ static gp_status find_place(const struct gp_log *log, const char *path,
     gp_free(way);
     file->device = info.st_dev;
     file->node = info.st_ino;
-    file->tail = hash | 1;
+    file->hash = hash | 1;
     return GP_OK;
 }
 
@@ -110,12 +110,12 @@ gp_status gp_output_guard_add(struct gp_output_guard *c, const char *path,
     gp_status st = GP_OK;
     snprintf(file.what, sizeof file.what, "%s", what);
     if (gp_is_dash(path)) { // `-` itself, and the file that stdout may be
-        file.tail = 1; // no folder has device 0 and node 0
+        file.hash = 1;      // no folder has device 0 and node 0
         st = append(c, file);
         exists = fstat(STDOUT_FILENO, &info) == 0;
         if (st || !exists)
             return st;
-        file.tail = 0;
+        file.hash = 0;
         file.open = true;
     } else {
         link = lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
@@ -158,7 +158,7 @@ static int by_file(const void *a, const void *b)
     const struct output *x = a, *y = b;
     return x->device != y->device ? ORDER(x->device, y->device)
          : x->node != y->node     ? ORDER(x->node, y->node)
-                                  : ORDER(x->tail, y->tail);
+                                  : ORDER(x->hash, y->hash);
 }
 
 static int by_file_and_order(const void *a, const void *b)

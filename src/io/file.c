@@ -236,14 +236,14 @@ static char *temp_name(const char *path, int nth)
 {
     const char *const base = base_of(path);
     const long pid = (long) getpid();
-    char tail[48];
-    int tail_bytes = nth ? snprintf(tail, sizeof tail, ".%ld-%d.tmp", pid, nth)
-                         : snprintf(tail, sizeof tail, ".%ld.tmp", pid);
+    char suffix[48];
+    int bytes = nth ? snprintf(suffix, sizeof suffix, ".%ld-%d.tmp", pid, nth)
+                    : snprintf(suffix, sizeof suffix, ".%ld.tmp", pid);
     size_t size = (size_t) (base - path) + NAME_BYTES + 1;
     char *name = malloc(size);
     if (name)
         snprintf(name, size, "%.*s.%.*s%s", (int) (base - path), path,
-                 NAME_BYTES - 1 - tail_bytes, base, tail);
+                 NAME_BYTES - 1 - bytes, base, suffix);
     return name;
 }
 
