@@ -343,7 +343,7 @@ struct gp_outside {
     struct gp_far_rows *far; // of light 1 everywhere; NULL: no far field
     int w, h, threads;
     unsigned long serial;              // of the kernel
-    const struct gp_far_state *state; // what `far` is of
+    const struct gp_far_state *state;  // what `far` is of
     double *box;   // pitch of the kernel for each thread
     float *weight; // two rows for each thread: w; the far field in the picture
 };
@@ -395,9 +395,8 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
     const double *const high =
         box_row(&o->sums, from, kernel_from((long long) y + 1, k->cy, k->h));
     const double all = box_row(&o->sums, from, k->h)[k->w];
-    find_weights(k, low, high,
-                 k->left_out + (all - (high[k->w] - low[k->w])), b->w,
-                 o->box + (size_t) thread * o->sums.pitch, weight);
+    find_weights(k, low, high, k->left_out + (all - (high[k->w] - low[k->w])),
+                 b->w, o->box + (size_t) thread * o->sums.pitch, weight);
     if (o->far) {
         const float far = (float) k->far->sum[from];
         gp_far_row(o->far, from, y, thread, inside);

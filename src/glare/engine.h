@@ -34,8 +34,8 @@ struct gp_splat_params {
     int group;           // N of NxN blocks, a power of two, 1 (off) to 64
     int cluster;         // side of a cluster, a power of two over `group`,
                          // up to 64; 0 (off)
-    float cluster_fill;  // bright share from which an area is one polygon,
-                         // in (0, 1]
+    float cluster_fill;  // share of bright pixels from which an area is one
+                         // polygon, in (0, 1]
     float shrink;        // share of the light that shrinking may leave out,
                          // in [0, 1); 0 (off)
     enum gp_primitive primitive;
@@ -55,7 +55,7 @@ struct gp_glare_params {
     const char *wisdom;        // file for measured plans; NULL keeps none
     struct gp_splat_params splat;
     struct gp_surround edges;     // what is beyond the border
-    bool fft_double;           // transforms in double, whatever the frame needs
+    bool in_double;            // transforms in double, whatever the frame needs
     bool last;                 // no frame follows: no kernel's spectrum is kept
 };
 #define GP_GLARE_DEFAULTS                                                     \
@@ -87,9 +87,9 @@ struct gp_glare_request {
                    // under the range of float
 };
 
-/* Bounds the error of a sample of the layer: share * sample + of[channel]. */
+/* Bounds the error of a sample of the layer: relative * it + of[channel]. */
 struct gp_pixel_error {
-    double share, of[3];
+    double relative, of[3];
 };
 
 struct gp_engine {
@@ -101,8 +101,8 @@ struct gp_engine {
     gp_status (*bound)(const struct gp_glare_request *req, void **state,
                        double *out);
 
-    /* Bounds the error of a pixel before any drawing; share is INFINITY where
-     * nothing can be guaranteed. NULL: the engine never guarantees one.
+    /* Bounds the error of a pixel before any drawing; its `relative` is INFINITY
+     * where nothing can be guaranteed. NULL: the engine never guarantees one.
      * Errors: GP_ERR_BUG out of memory. */
     gp_status (*pixel)(const struct gp_glare_request *req, void **state,
                        struct gp_pixel_error *out);

@@ -153,7 +153,7 @@ static int find_engine(const char *name)
 
 /* Light that is added to the rows that an engine draws. */
 struct rest {
-    struct gp_far_rows *far;  // or NULL
+    struct gp_far_rows *far;   // or NULL
     struct gp_outside *beyond; // or NULL
 };
 
@@ -213,7 +213,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
     struct gp_glare_request *const req = &d->req;
     struct gp_glare *const g = d->g;
     *out = (struct gp_choice) {.engine = named,
-                               .fft_double = d->params.fft_double};
+                               .in_double = d->params.in_double};
     GP_TRY(gp_error_floor_find(req, &req->floor));
     if (d->params.tolerance_pixel > 0.0f) {
         struct gp_glare_request whole = *req; // as bright as the frame is
@@ -236,7 +236,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
         req->kernel = d->drawn;
         req->far = NULL;
     }
-    d->params.fft_double = out->fft_double;
+    d->params.in_double = out->in_double;
     req->stats->engine = gp_engines[out->engine]->name;
     req->stats->bound_pixel = out->pixel;
 out:
@@ -256,8 +256,8 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
     const int h = d->src->h;
     if (req->far) {
-        GP_TRY(gp_far_find(log, d->kernel->far, g->far, req->src,
-                            &d->f->layer, &rows));
+        GP_TRY(gp_far_find(log, d->kernel->far, g->far, req->src, &d->f->layer,
+                           &rows));
         parts.far = rows;
     }
     if (d->beyond) {

@@ -26,7 +26,7 @@ void gp_glare_reference_direct(const struct gp_sources *src,
 struct gp_choice {
     int engine;      // index in gp_engines
     bool whole;      // it sums the kernel with its far field, sample by sample
-    bool fft_double; // for tolerance_pixel's sake
+    bool in_double;  // for tolerance_pixel's sake
     double bound;    // of rel_l2
     double pixel;    // of max_rel; 0: not asked
 };

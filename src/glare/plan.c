@@ -34,7 +34,7 @@ gp_status gp_plan_pixel(const struct gp_glare_request *req, struct gp_glare *g,
     int engine, const struct gp_pixel_floor *floor, double *bound)
 {
     const struct gp_engine *const e = gp_engines[engine];
-    struct gp_pixel_error error = {.share = INFINITY};
+    struct gp_pixel_error error = {.relative = INFINITY};
     gp_status st = e->pixel ? e->pixel(req, &g->state[engine], &error) : GP_OK;
     *bound = st ? INFINITY
                 : gp_pixel_bound(floor, &error, (double) req->params->gain);
@@ -47,7 +47,7 @@ static gp_status find_bounds(const struct gp_glare_request *req,
 {
     struct gp_glare_params params = *req->params;
     struct gp_glare_request asked = *req;
-    params.fft_double = c->fft_double;
+    params.in_double = c->in_double;
     asked.params = &params;
     gp_status st = gp_engines[c->engine]->bound(&asked, &g->state[c->engine],
                                                 &c->bound);
@@ -88,9 +88,9 @@ static gp_status find_choice(const struct gp_glare_request *req,
     struct gp_choice *out)
 {
     static const double FAR_LESS = 0.1;
-    struct gp_choice c = {.engine = engine, .fft_double = true};
+    struct gp_choice c = {.engine = engine, .in_double = true};
     *out = (struct gp_choice) {.engine = engine,
-                               .fft_double = req->params->fft_double};
+                               .in_double = req->params->in_double};
     gp_status st = find_bounds(req, g, floor, out);
     if (st || engine != FFT || !pixel_is_over(req->params, out))
         return st;
@@ -145,8 +145,8 @@ static void explain(const struct gp_glare_request *req,
     snprintf(req->stats->why, sizeof req->stats->why,
              "%s%s for %zu source%s, bound %.2g%s%s%s",
              gp_engines[c->engine]->name,
-             c->whole        ? " of the whole kernel"
-             : c->fft_double ? " in double" : "",
+             c->whole       ? " of the whole kernel"
+             : c->in_double ? " in double" : "",
              req->src->n, req->src->n == 1 ? "" : "s", c->bound, over, pixel,
              pixel_over);
 }

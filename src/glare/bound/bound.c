@@ -429,14 +429,14 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
     const double peak = 1e-6 * (f->most - f->less);
     const double dark = fmax(f->lit - f->less, 0.0) + peak;
     double sum = 0.0;
-    if (!(peak > 0.0) || !(e->share < INFINITY))
+    if (!(peak > 0.0) || !(e->relative < INFINITY))
         return INFINITY;
     for (int c = 0; c < 3; c++) {
-        const double share = f->less > 0.0 ? e->share * f->layer[c] : 0.0;
+        const double share = f->less > 0.0 ? e->relative * f->layer[c] : 0.0;
         sum += gain * fabs(f->weight[c]) * (e->of[c] + share + f->lost[c] +
                                            f->far[c]);
     }
     const double own =
-        f->less > 0.0 ? 0.0 : e->share * (1.0 + fmax(-f->least, 0.0) / peak);
+        f->less > 0.0 ? 0.0 : e->relative * (1.0 + fmax(-f->least, 0.0) / peak);
     return sum / dark + own + f->rounded;
 }

@@ -249,7 +249,7 @@ static gp_status pixel_direct(const struct gp_glare_request *req, void **state,
                               struct gp_pixel_error *out)
 {
     (void) state;
-    out->share = gp_direct_bound(req->kernel, req->src->n);
+    out->relative = gp_direct_bound(req->kernel, req->src->n);
     return GP_OK;
 }
 

@@ -134,7 +134,7 @@ static gp_status find_error(const struct gp_log *log, const struct gp_far_field 
     const int nx = s->x.n, ny = s->y.n;
     const double step = t->split.step, area = step * step;
     const double points = (double) nx * ny;
-    struct gp_far_error e = {.share = ROUNDINGS * 0x1p-24};
+    struct gp_far_error e = {.rounding = ROUNDINGS * 0x1p-24};
     struct keeping *down;
     gp_status st = gp_alloc(log, "tail", (size_t) ny, sizeof *down, &down);
     if (st)
@@ -157,7 +157,7 @@ static gp_status find_error(const struct gp_log *log, const struct gp_far_field 
                                        4.0 * l.edge * l.edge) / step);
         norm1 = fmax(norm1, t->norm1[c]);
     }
-    e.norm += e.share * norm1;
+    e.norm += e.rounding * norm1;
     s->error = e;
     gp_free(down);
     return GP_OK;
@@ -219,7 +219,7 @@ double gp_far_pixel_error(const struct gp_far_state *s,
     const double most = fmin((double) src->brightest * t->norm1[c],
                              norm * t->norm2[c]);
     return fmin(s->error.pixel * src->flux[c], s->error.column * norm) +
-           (s->error.share + TRANSFORM) * most;
+           (s->error.rounding + TRANSFORM) * most;
 }
 
 // -- light to the grid --------------------------------------------------------

@@ -55,7 +55,7 @@ struct gp_far_split {
  * long as wide, in pixels, >= 1. Step 0 where it is not smooth far out
  * (INFINITY), or the whole costs little more than a core. */
 struct gp_far_split gp_far_choose(double smooth, double stretch, int sharp,
-                                    int w, int h);
+                                  int w, int h);
 
 /* The far field's share of the sample at offset (x, y), in [0, 1]; the core's
  * is 1 less that. A step of degree 11 in the distance; five derivatives are
@@ -101,7 +101,7 @@ struct gp_far_error {
     double norm;   // the error's 2-norm over |s|
     double pixel;  // its largest sample over the sum of s
     double column; // its largest sample over |s|
-    double share;  // of rounding: over the most that a sample can be
+    double rounding; // over the most that a sample can be
 };
 
 /* Plans, spectrum and scratch for one far field; kept from frame to frame. */
@@ -116,8 +116,8 @@ const struct gp_far_error *gp_far_error_of(const struct gp_far_state *s);
 
 /* The largest error of a sample of channel c. */
 double gp_far_pixel_error(const struct gp_far_state *s,
-                           const struct gp_far_field *t,
-                           const struct gp_sources *src, int c);
+                          const struct gp_far_field *t,
+                          const struct gp_sources *src, int c);
 
 /* The far field of one frame's sources, found on the grid. */
 struct gp_far_rows;
@@ -142,13 +142,13 @@ GP_MUST_CHECK gp_status gp_far_flat(const struct gp_log *log,
     struct gp_far_rows **out);
 /* Sets `row` to it in row y of channel c. */
 void gp_far_row(const struct gp_far_rows *rows, int c, int y, int thread,
-                    float *row);
+                float *row);
 
 // -- shared by the files of this folder ----------------------------------------
 
 enum {
     GP_FAR_TAPS = 4,  // nodes that a cubic B-spline meets, from one before
-                       // the pixel's own
+                      // the pixel's own
     GP_FAR_FADE = 12, // steps over which a far field fades out past the frame
 };
 

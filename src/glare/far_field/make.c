@@ -31,7 +31,7 @@ struct gp_far_split gp_far_choose(double smooth, double stretch, int sharp,
                                     int w, int h)
 {
     static const int LEAST_STEP = 8, MOST_STEP = 32, NODES = 512;
-    static const double WORTH = 1.5; // core and far field against the whole
+    static const double WORTH = 1.5;   // core and far field against the whole
     static const double STRETCH = 2.0; // that NEAREST is enough for
     const int side = gp_max(w, h);
     struct gp_far_split s = {.step = LEAST_STEP};

@@ -292,7 +292,7 @@ static void choose_split(const struct gp_glare_request *req,
     const double ms = gp_fft_passes_ms(req->src, p, GP_FFT_PLAN_MEASURE);
     gp_fft_split_choose(req->src, req->kernel, tail, (double) p->nx * p->ny, ms,
                         (double) req->params->gain, out);
-    if (req->params->fft_double && !out->in_double)
+    if (req->params->in_double && !out->in_double)
         *out = (struct gp_fft_split) {
             .core = {-1, -1}, .hot = INFINITY, .in_double = true,
             .ms = (GP_COST_FFT_DOUBLE - 1.0) * ms,
@@ -426,9 +426,9 @@ static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
         return st;
     const int direct = (split.core.x >= 0) + (split.hot_count > 0);
     *out = (struct gp_pixel_error) {
-        .share = req->kernel->negative ? INFINITY
-                 : direct ? direct * gp_direct_bound(req->kernel, n)
-                 : split.in_double ? 0x1p-24 : 0.0,
+        .relative = req->kernel->negative ? INFINITY
+                    : direct ? direct * gp_direct_bound(req->kernel, n)
+                    : split.in_double ? 0x1p-24 : 0.0,
     };
     const struct cool cool = find_cool(req->src, split.hot);
     for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)

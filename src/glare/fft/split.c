@@ -175,7 +175,7 @@ void gp_fft_far_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
     double all[3]; // of the kernel's own samples, without its tail
     for (int c = 0; c < 3; c++)
         all[c] = k->far ? box_squares(k->k.c[c], k->w, k->w, k->h)
-                         : k->norm2[c] * k->norm2[c];
+                        : k->norm2[c] * k->norm2[c];
     for (int i = 0; i < GP_FFT_CORES; i++) {
         const struct gp_fft_core r = gp_fft_cores[i];
         norm[i] = 0.0;
@@ -296,8 +296,7 @@ static double find_seen_of_tail(const struct gp_sources *src,
     double seen = INFINITY;
     for (int c = 0; c < 3 && k->far; c++) {
         if (src->flux[c] > 0.0)
-            seen = fmin(seen,
-                        SEEN * gain * src->flux[c] * k->far->least / own);
+            seen = fmin(seen, SEEN * gain * src->flux[c] * k->far->least / own);
     }
     return seen;
 }

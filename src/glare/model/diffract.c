@@ -248,8 +248,8 @@ struct joined {
     struct gp_shape near, far;     // far: of light 1, grey
     struct spikes spikes;
     double pixel[2];               // degrees
-    double from, reach;            // samples fade between: left_at()
-    double end;                    // of these and spikes
+    double from, reach;            // degrees; samples fade between: left_at()
+    double end;                    // degrees; of these and spikes
     double light[3];               // of the mean
 };
 

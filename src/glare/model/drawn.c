@@ -330,9 +330,9 @@ struct disc {
 static void disc_value(const void *ctx, double t, double out[3])
 {
     const struct disc *const d = ctx;
-    const double share = t / d->radius;
+    const double radii = t / d->radius;
     out[0] = gp_smoothstep((d->radius - t) / d->soft + 0.5) *
-             (1.0 + d->rim * pow(fmin(share, 1.0), 8.0));
+             (1.0 + d->rim * pow(fmin(radii, 1.0), 8.0));
 }
 
 /* A lamp keeps its light in a picture: 0.4 % of that of 3 pixels is a faint disc

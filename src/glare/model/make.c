@@ -160,9 +160,8 @@ struct filling {
 };
 
 /* Takes the far field's share of n samples from (x, y) on from them. */
-static void take_far(const struct mixture *m,
-    const struct gp_far_split *split, int x, int y, int n,
-    double sum[3][GP_SHAPE_STRIP])
+static void take_far(const struct mixture *m, const struct gp_far_split *split,
+                     int x, int y, int n, double sum[3][GP_SHAPE_STRIP])
 {
     double share[GP_SHAPE_STRIP], far[3][GP_SHAPE_STRIP], most = 0.0;
     for (int k = 0; k < n; k++) {
@@ -174,8 +173,7 @@ static void take_far(const struct mixture *m,
     if (!m->only_far)
         mix_row(m, true, x, y, n, far);
     for (int c = 0; c < (m->grey ? 1 : 3); c++) {
-        const double *const v = m->only_far ? sum[c]
-                                              : far[m->far_grey ? 0 : c];
+        const double *const v = m->only_far ? sum[c] : far[m->far_grey ? 0 : c];
         // the far field is no more than the whole but for rounding
         for (int k = 0; k < n; k++)
             sum[c][k] = fmax(sum[c][k] - share[k] * v[k], 0.0);
@@ -308,8 +306,8 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
     const struct gp_far_split *split, const struct gp_far_field *far,
     const float *weight, int w, int h, struct gp_kernel *out)
 {
-    const int last = split->step ? gp_max((int) ceil(split->to) - 1, m->sharp)
-                                : m->reach;
+    const int last =
+        split->step ? gp_max((int) ceil(split->to) - 1, m->sharp) : m->reach;
     struct filling f = {.m = m, .split = split, .rx = gp_min(w - 1, last),
                         .ry = gp_min(h - 1, last)};
     const int columns = 2 * f.rx + 1, rows = 2 * f.ry + 1;
@@ -332,7 +330,7 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
 /* Joins a far field, which the kernel then owns, to its core; NULL: there is
  * none. Finds the light that is left out. */
 static void join_far(struct gp_far_field *t, const struct gp_field *field,
-                      struct gp_kernel *k)
+                     struct gp_kernel *k)
 {
     k->far = t;
     k->left_out = 1.0;
@@ -382,8 +380,8 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
         GP_TRY(gp_far_make(log, &split, field->w, field->h,
             &(struct gp_far_kernel) {mix_pixel, &m, m.far_grey, m.far_even},
             &far));
-    GP_TRY(make_core(log, &m, &split, far, field->luminance, field->w,
-                     field->h, &k));
+    GP_TRY(make_core(log, &m, &split, far, field->luminance, field->w, field->h,
+                     &k));
     join_far(far, field, &k);
     far = NULL;
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k.origin, &k.origin));

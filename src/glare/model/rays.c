@@ -47,7 +47,7 @@ struct rays {
     double curve[3][TABLE + 2]; // g_c at steps of p / length, for length 1
 };
 
-/* g_c at a share `t` of a strand's length, of light 1 in all. */
+/* g_c at a fraction `t` of a strand's length, of light 1 in all. */
 static double along(const struct rays *r, int c, double t)
 {
     const double at = t * TABLE;
@@ -191,7 +191,7 @@ static void make_row(void *ctx, int i, int thread)
     }
 }
 
-/* A strand's light at share t of its length, at one wavelength. */
+/* A strand's light at a fraction t of its length, at one wavelength. */
 static double curve_of(double nm, double t, double core, double dispersion)
 {
     const double scale = 1.0 + dispersion * (550.0 / nm - 1.0);

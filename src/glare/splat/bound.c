@@ -75,7 +75,7 @@ static void subtract(const struct residue *r, const struct gp_polygon *p)
                               (size_t) (u.start + r->pad);
             const double light = (double) p->rgb[c] * down;
             for (int i = 0; i <= box; i++) {
-                const double along = i == 0  ? u.first
+                const double along = i == 0    ? u.first
                                      : i < box ? u.middle : u.last;
                 if (along > 0.0)
                     to[i] -= (float) (light * along);
@@ -117,7 +117,7 @@ static gp_status spread(const struct gp_log *log, const struct residue *r,
     void *state = NULL;
     const int w = r->w + 2 * r->pad, h = r->h + 2 * r->pad;
     const size_t n = (size_t) w * (size_t) h;
-    const struct gp_glare_params p = {.gain = 1.0f, .fft_double = true,
+    const struct gp_glare_params p = {.gain = 1.0f, .in_double = true,
                                       .last = true};
     struct glarepp_layer_facts stats = {0};
     struct gp_sources frame = {.w = w, .h = h}, light = {0};

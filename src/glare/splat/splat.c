@@ -16,9 +16,9 @@
 #include <string.h>
 
 enum {
-    CHUNK_MIN = 64,     // polygons; adding up costs as much as two
+    CHUNK_MIN = 64, // polygons; adding up costs as much as two
     MIDDLE_SIDE = 2 * GP_MIDDLE_RADIUS + 1,
-    SMOOTH_ROUNDINGS = 9, // of a bilinear sample
+    SMOOTH_ROUNDINGS = 9,  // of a bilinear sample
     QUAD_PIXELS = 1 << 25, // of a target that quads are blended in: 512 MiB
 };
 
@@ -114,7 +114,7 @@ static gp_status make_layout(const struct gp_glare_request *req,
                      gp_max(o.params.cluster, o.params.group));
     const long long cx = k->cx, cy = k->cy, r = GP_MIDDLE_RADIUS;
     o.outer = !o.middle || o.crop.x0 < cx - r || o.crop.x1 - 1 > cx + r ||
-             o.crop.y0 < cy - r || o.crop.y1 - 1 > cy + r;
+              o.crop.y0 < cy - r || o.crop.y1 - 1 > cy + r;
     GP_TRY(gp_polygons_make(req->log, req->src, &o.params, &o.polygons));
     const size_t root = (size_t) sqrt((double) o.polygons.n) + 1;
     o.chunk = root > CHUNK_MIN ? root : CHUNK_MIN;

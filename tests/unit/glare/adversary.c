@@ -121,7 +121,7 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
         const double exact = s->exact[i];
         const double wrong = fabs((double) s->f.layer.c[i / n][i % n] - exact);
         if (wrong > 0.0)
-            worst = fmax(worst, wrong / (of.share * exact + of.of[i / n]));
+            worst = fmax(worst, wrong / (of.relative * exact + of.of[i / n]));
     }
     return worst;
 }
