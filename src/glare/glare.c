@@ -118,10 +118,10 @@ static gp_status find_whole(const struct gp_log *log, struct gp_glare *g,
 
 static void halve_floor(struct gp_pixel_floor *floor, int times)
 {
-    floor->least = ldexp(floor->least, -times);
-    floor->lit = ldexp(floor->lit, -times);
-    floor->most = ldexp(floor->most, -times);
-    floor->less = ldexp(floor->less, -times);
+    floor->own = ldexp(floor->own, -times);
+    floor->dimmest = ldexp(floor->dimmest, -times);
+    floor->brightest = ldexp(floor->brightest, -times);
+    floor->negative = ldexp(floor->negative, -times);
     for (int c = 0; c < 3; c++) {
         floor->layer[c] = ldexp(floor->layer[c], -times);
         floor->far[c] = ldexp(floor->far[c], -times);

@@ -18,14 +18,14 @@ struct gp_kernel_params {
     enum gp_normalize normalize;
     float rotate;                  // degrees, counter-clockwise as seen (y is
                                    // down), about the centre's pixel
-    double aspect;                 // width over height of the pixels that it
-                                   // is made for; 0: square
-    double scale;                  // their number for one pixel of the image's
-                                   // height; 0: 1
-    double left_out;               // of a model whose kernel the image is:
-                                   // becomes the kernel's; else 0
-    const float *chromaticities;   // 8, of the frames that it is made for, as
-                                   // gp_frame's; borrowed; NULL: the image's
+    double aspect;                 // width over height of a frame's pixel; 0:
+                                   // square
+    double scale;                  // frame pixels a pixel of the image, down;
+                                   // 0: 1
+    double left_out;               // gp_kernel's, of the model that drew the
+                                   // image; 0: it is no model's
+    const float *chromaticities;   // 8, of the frames, as struct gp_image has
+                                   // them; borrowed; NULL: the image's
 };
 
 /* The kernel before --rotate, scaled by the same factor, so that
@@ -47,37 +47,36 @@ struct gp_lit_row {
     int dark;     // samples in it that are 0
 };
 
-/* A normalised kernel. Sample (x, y) is the share of a source's light that
- * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q), and
- * that of the far field, where there is one: then k is only the core.
- * Negative lobes are allowed. Zero borders are cut off on making; magnitudes
- * under FLT_MIN, 1.2e-38, are 0. */
+/* A normalised kernel. Sample (x, y) of `k` is the share of a source's light
+ * that falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q).
+ * With a far field `k` is only the core, and the far field's light is added.
+ * Samples may be negative. Those under FLT_MIN, 1.2e-38, are set to 0. Rows and
+ * columns of zeros at the border are cut off. */
 struct gp_kernel {
     int w, h;
     int cx, cy;           // the centre's pixel; may lie outside [0,w) x [0,h)
                           // after cutting zero borders
     struct gp_planes k;   // w * h each
-    struct gp_far_field *far; // what is beyond the core; NULL: nothing; owned
-    double sum[3];        // of each channel, with the far field
-    double norm2[3];      // sqrt of the sum of squares of each channel, and ...
-    double norm1[3];      // ... sum of magnitudes; limits with a far field
-    double faint[3];      // magnitudes of each channel that count as 0
+    struct gp_far_field *far; // NULL: `k` is the whole kernel; owned
+    double sum[3];        // of samples by channel, the far field's too
+    double norm2[3];      // root of their sum of squares, and ...
+    double norm1[3];      // ... sum of magnitudes; with a far field no less
+    double faint[3];      // sum of magnitudes that were set to 0, by channel
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0
     struct gp_lit_row *lit; // of row y of channel c: lit[c * h + y]; owned.
-                          // NULL where nothing is known of the samples: they
-                          // or the centre were changed. No quarters then
-    // A quarter of the kernel has its centre's row and column. Least of the
-    // four, of each channel; 0 of a negative kernel:
-    double quarter_square[3]; // sum of squares
-    double quarter_sum[3];    // sum of samples
-    unsigned long serial; // gp_serial_next() of this making; 0 (made by hand)
-                          // is never taken for known
+                          // NULL: samples or centre changed since the making,
+                          // and `quarter_...` hold no longer
+    // The centre's row and column divide `k` into four quarters, and belong to
+    // all four. These are the smallest of the four; 0 of a negative kernel:
+    double quarter_square[3]; // sum of squares, by channel
+    double quarter_sum[3];    // sum of samples, by channel
+    unsigned long serial; // by gp_serial_next(): two kernels with the same one
+                          // are the same; 0: made by hand, nothing is known
     struct gp_unturned *unturned; // NULL when the kernel was not rotated, or
                           // by right angles, which need no sampling; owned
-    double left_out;      // of a model: light that falls where nothing is
-                          // computed, in luminance, most of it outside of the
-                          // frame; else 0
+    double left_out;      // of a model: 1 less the luminance of `sum`, which is
+                          // light that falls outside of frames; else 0
     struct gp_kernel_origin *origin; // recipes and field of a model's kernel
                           // (model/make.c); owned
 };
@@ -87,16 +86,14 @@ struct gp_kernel {
  *   image      rgb and luminance weights of the kernel file; borrowed
  *   out        written only on GP_OK; free with gp_kernel_free()
  *
- * The centre is pixel (floor(w/2), floor(h/2)) of the data window unless
- * p->centered. Rotated about it by p->rotate. Normalised then so that
- * each channel's sum keeps the file's ratios and the luminance sum is 1,
- * unless GP_NORMALIZE_NONE. For another scale, or pixels that are not square,
- * it is resampled by areas after it was turned: it is round on the screen, and
- * each channel's sum and centroid (within 1e-3 pixel) stay.
- * First of all, an image that names its primaries is converted to those of
- * p->chromaticities by gp_spectrum_to_spectrum(). A sample of no negative channel
- * that gets one is folded in by gp_gamut_fold().
- * Errors: GP_ERR_DATA no pixels, a NaN or Inf (says where), all zero or faint, a
+ * First an image that names its primaries is converted to p->chromaticities by
+ * gp_spectrum_to_spectrum(). Where that makes a channel of a sample negative,
+ * gp_gamut_fold() ends that. Then the image is rotated by p->rotate about its
+ * centre, pixel (floor(w/2), floor(h/2)) of the data window unless p->centered.
+ * For another scale, or pixels that are not square, it is resampled by areas,
+ * which keeps each channel's sum, and its centroid within 1e-3 pixel. At last
+ * it is divided by its sum in luminance, unless GP_NORMALIZE_NONE.
+ * Errors: GP_ERR_DATA no pixels, a NaN or Inf (says where), no FLT_MIN in it, a
  * luminance sum that is not positive when normalising, primaries that cannot be
  * converted; GP_ERR_USAGE a centre over 2^20 pixels away, an angle that is not
  * finite, a rotated or resampled kernel of over 2^28 pixels. */
@@ -114,16 +111,16 @@ GP_MUST_CHECK gp_status gp_kernel_of_planes(const struct gp_log *log,
 
 void gp_kernel_free(struct gp_kernel *k);
 
-/* A kernel spread over a light's disc: the layer of that disc of flux 1. */
+/* A kernel spread over a light's disc: the layer of a disc of flux 1. */
 struct gp_spread_kernel {
     int w, h;
     double cx, cy;        // the disc's centre, pixel (i,j) covers [i, i + 1)
     struct gp_planes k;   // w * h each
-    int step;             // pixels from sample to sample; 1, but of a far field
+    int step;             // pixels from sample to sample: 1 of a core
 };
 
-/* Spreads k over the (2 reach + 1)^2 pixels of a disc around its centre's
- * pixel; `weight` has their shares of the light, row after row, of sum 1.
+/* Spreads k over a disc in (2 reach + 1)^2 pixels around the kernel's centre.
+ * `weight` has each pixel's share of the light, row after row; their sum is 1.
  *
  *   out  w = k->w + 2 reach, h alike; written only on GP_OK; free its planes
  *        with gp_planes_free()
@@ -132,8 +129,8 @@ GP_MUST_CHECK gp_status gp_kernel_spread(const struct gp_log *log,
     const struct gp_kernel *k, int reach, const float *weight,
     struct gp_spread_kernel *out);
 
-/* The same of k's far field, which there must be, where `k` above is its core:
- * samples every out->step pixels, between which it is linear within 1 %. */
+/* Spreads k's far field, which it must have, where gp_kernel_spread() does so
+ * with the core. Between samples it is linear within 1 %. */
 GP_MUST_CHECK gp_status gp_kernel_spread_far(const struct gp_log *log,
     const struct gp_kernel *k, int reach, const float *weight,
     struct gp_spread_kernel *out);

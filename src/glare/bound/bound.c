@@ -1,5 +1,5 @@
-/* Lower limits of light, and what errors they bound: values under the range of
- * float, and the worst pixel of the composite. */
+/* Lower limits of light, and errors in proportion to them: by values too small
+ * for float, and in the worst pixel of the composite. */
 #include "glare/bound/bound.h"
 
 #include "core/cpu.h"
@@ -12,19 +12,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double MOST_WORK = 4e6; // multiply-adds of a channel
+static const double MOST_WORK = 4e6; // products
 
-/* Sums in double are right within this share. */
+/* Lowers a limit by more than rounding in double can have raised it. */
 static const double SURE = 1.0 - 1e-9;
 
-/* Cells of side x side pixels from the frame's corner. Those at the right and
- * at the bottom may be cut. */
+/* The frame cut into cells of side x side pixels; those at the right and at the
+ * bottom may be smaller. */
 struct cells {
     int w, h; // of the frame
     int side, columns, rows;
 };
 
-/* The smallest cells, a power of two, for which the sums below stay cheap. */
+/* Returns the smallest cells, their side a power of two, with which add_least()
+ * takes at most MOST_WORK for a channel. */
 static struct cells choose_cells(int w, int h, const struct gp_kernel *kernel)
 {
     struct cells c = {.w = w, .h = h, .side = 1};
@@ -40,15 +41,17 @@ static struct cells choose_cells(int w, int h, const struct gp_kernel *kernel)
 
 // -- the least that a unit of light adds from one cell to another -------------
 
-/* By the offset from a source's cell to a pixel's; 0 beyond. */
+/* The least kernel sample between any two pixels of two cells, by the cells'
+ * offset (dx, dy) from source to pixel; 0 for offsets that are not there. */
 struct table {
     int x0, y0, w, h;
     double *at; // [(dy - y0) * w + dx - x0]
 };
 
-/* Offsets of cells between which all offsets of pixels lie in [-before, after]:
- * a pixel of one is from d side - side + 1 to d side + side - 1 off a pixel of
- * the other. Within [1 - cells, cells - 1]. */
+/* Finds the offsets d of cells, *n of them from *first on, at which the kernel
+ * has a sample for any two pixels. It has samples at offsets -before to after.
+ * The pixels are d side - (side - 1) to d side + (side - 1) apart. In a frame
+ * |d| is less than `cells`. */
 static void find_offsets(int before, int after, int side, int cells,
                          int *first, int *n)
 {
@@ -64,7 +67,7 @@ static gp_status make_table(const struct gp_log *log,
 {
     gp_status st;
     struct table t = {0};
-    const int side = cells->side, far = side - 1;
+    const int side = cells->side, more = side - 1;
     float *rows = NULL;
     // the centre may lie far outside
     find_offsets(k->cx, gp_clamp_wide(k->w - 1LL - k->cx, -1, k->w), side,
@@ -76,13 +79,13 @@ static gp_status make_table(const struct gp_log *log,
     const size_t w = (size_t) t.w, n = w * (size_t) t.h;
     GP_TRY(gp_alloc(log, "bound", w * (size_t) k->h + 1, sizeof *rows, &rows));
     GP_TRY(gp_alloc(log, "bound", n + 1, sizeof *t.at, &t.at));
-    // the least of each window, first along rows, then down
+    // the least in a square around d side, first along rows, then down
     for (int y = 0; y < k->h && t.w; y++) {
         const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
         for (int i = 0; i < t.w; i++) {
             const int at = (t.x0 + i) * side + k->cx;
             float v = row[at];
-            for (int x = at - far; x <= at + far; x++)
+            for (int x = at - more; x <= at + more; x++)
                 v = gp_minf(v, row[x]);
             rows[(size_t) y * w + (size_t) i] = v;
         }
@@ -90,7 +93,7 @@ static gp_status make_table(const struct gp_log *log,
     for (size_t i = 0; i < n; i++) {
         const int at = (t.y0 + (int) (i / w)) * side + k->cy;
         float v = rows[(size_t) at * w + i % w];
-        for (int y = at - far; y <= at + far; y++)
+        for (int y = at - more; y <= at + more; y++)
             v = gp_minf(v, rows[(size_t) y * w + i % w]);
         t.at[i] = (double) v;
     }
@@ -104,11 +107,11 @@ out:
 
 // -- the least light of a cell ------------------------------------------------
 
-struct faint {
+struct spreading {
     const struct cells *cells;
     const struct table *table;
-    const double *light; // of the sources of each cell
-    bool own;            // a cell's light counts in itself
+    const double *light; // sum of the sources of each cell
+    bool own;            // sources light their own cell, too
     double *out;
 };
 
@@ -119,10 +122,10 @@ GP_CLONES static void add_scaled(double *restrict to,
         to[i] += k * from[i];
 }
 
-/* Adds the light that the table spreads from all cells to row y of them. */
-static void faint_row(void *ctx, int y, int thread)
+/* Adds the least light that all cells spread to row y of them. */
+static void add_least_row(void *ctx, int y, int thread)
 {
-    const struct faint *const f = ctx;
+    const struct spreading *const f = ctx;
     const struct table *const t = f->table;
     const int columns = f->cells->columns;
     double *const line = f->out + (size_t) y * (size_t) columns;
@@ -139,8 +142,9 @@ static void faint_row(void *ctx, int y, int thread)
     }
 }
 
-/* Adds the least light of channel c, times a weight, to each cell. */
-static gp_status add_faint(const struct gp_log *log,
+/* Adds to each cell a lower limit of the light, times a weight, that channel c
+ * has in any pixel of the cell; with `own` from sources in the cell, too. */
+static gp_status add_least(const struct gp_log *log,
     const struct cells *cells, const struct gp_kernel *kernel, int c,
     const struct gp_sources *src, double weight, bool own, double *out)
 {
@@ -157,9 +161,9 @@ static gp_status add_faint(const struct gp_log *log,
             row[src->x[i] / cells->side] +=
                 weight * SURE * (double) src->rgb[c][i];
     }
-    struct faint f = {cells, &table, light, own, out};
+    struct spreading f = {cells, &table, light, own, out};
     if (!st)
-        gp_parallel_do(cells->rows, faint_row, &f);
+        gp_parallel_do(cells->rows, add_least_row, &f);
     gp_free(light);
     gp_free(table.at);
     return st;
@@ -167,14 +171,14 @@ static gp_status add_faint(const struct gp_log *log,
 
 // -- the least of the layer ---------------------------------------------------
 
-/* The sum of the squares of the cells' least light, in each of their pixels. */
-static double together(const struct cells *b, const double *faint)
+/* Sums squares over the frame's pixels, of the least light of their cells. */
+static double together(const struct cells *b, const double *least)
 {
     double sum = 0.0;
     for (int y = 0; y < b->rows; y++) {
         const int high = gp_min(b->side, b->h - y * b->side);
         for (int x = 0; x < b->columns; x++) {
-            const double v = faint[(size_t) y * (size_t) b->columns + (size_t) x];
+            const double v = least[(size_t) y * (size_t) b->columns + (size_t) x];
             sum += v * v * high * gp_min(b->side, b->w - x * b->side);
         }
     }
@@ -201,12 +205,12 @@ static gp_status make_squares(const struct gp_log *log,
     return st;
 }
 
-/* Squares of what each source adds to the frame. */
+/* Sums squares over the sources' layers, each by itself, inside the frame. */
 static double alone(const struct gp_sources *src, const struct gp_kernel *k,
                     int c, const double *square)
 {
     const size_t pitch = (size_t) k->w + 1;
-    // rounding of an integral image's differences
+    // rounding of differences in the integral image
     const double lost = 4.0 * 0x1p-53 * ((double) k->w + k->h + 4.0) *
                         square[pitch * ((size_t) k->h + 1) - 1];
     double sum = 0.0;
@@ -220,8 +224,7 @@ static double alone(const struct gp_sources *src, const struct gp_kernel *k,
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
             const int x = src->x[i];
             const double light = (double) src->rgb[c][i];
-            const int left =
-                gp_clamp_wide((long long) k->cx - x, 0, k->w);
+            const int left = gp_clamp_wide((long long) k->cx - x, 0, k->w);
             const int right =
                 gp_clamp_wide((long long) k->cx - x + src->w, 0, k->w);
             const double seen =
@@ -236,33 +239,33 @@ gp_status gp_layer_least(const struct gp_log *log, const struct gp_sources *src,
     const struct gp_kernel *kernel, double *least)
 {
     gp_status st = GP_OK;
-    const struct cells cells =
-        choose_cells(src->w, src->h, kernel);
+    const struct cells cells = choose_cells(src->w, src->h, kernel);
     const size_t n = (size_t) cells.columns * (size_t) cells.rows;
-    double *square = NULL, *faint = NULL, all = 0.0;
+    double *square = NULL, *cell = NULL, all = 0.0;
     *least = 0.0;
     if (kernel->negative || !src->n)
         return GP_OK;
-    GP_TRY(gp_alloc(log, "bound", n, sizeof *faint, &faint));
+    GP_TRY(gp_alloc(log, "bound", n, sizeof *cell, &cell));
     for (int c = 0; c < 3; c++) {
-        memset(faint, 0, n * sizeof *faint);
+        memset(cell, 0, n * sizeof *cell);
         GP_TRY(make_squares(log, kernel, c, &square));
-        GP_TRY(add_faint(log, &cells, kernel, c, src, 1.0, true, faint));
-        all += fmax(alone(src, kernel, c, square), together(&cells, faint));
+        GP_TRY(add_least(log, &cells, kernel, c, src, 1.0, true, cell));
+        all += fmax(alone(src, kernel, c, square), together(&cells, cell));
         GP_FREE(square);
     }
     *least = sqrt(all) * SURE;
 out:
     gp_free(square);
-    gp_free(faint);
+    gp_free(cell);
     return st;
 }
 
 // -- underflow ----------------------------------------------------------------
 
-/* Values under 2^-126 are lost. A lost kernel sample costs a pixel up to 2^-126
- * of all light, a lost source that of the kernel's sum, products and sums that
- * each. Times 2^6, as engines have more steps than one. */
+/* A value under FLT_MIN, 2^-126, may become 0. Of kernel samples that costs a
+ * pixel up to 2^-126 times the flux of all sources. Of sources it costs up to
+ * 2^-126 times the kernel's sum; of n products and n sums 2^-126 each. All this
+ * counts 2^6 times, as engines compute in several steps. */
 gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
 {
     static const double NEGLIGIBLE = 1e-12, SMALL = 1e-5;
@@ -273,16 +276,16 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
     const double far = req->far ? gp_far_error_of(req->far)->norm : 0.0;
-    const double wrong = // the far field's error
+    const double wrong = // the far field's error: of sources' light
         far * sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
-    const double beyond = // ... of light from beyond the border
+    const double beyond = // and of light from beyond the border
         far * gp_beyond_most(req->beyond) * sqrt(3.0 * src->w * src->h);
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
-    double least = 0.0; // lower limit of the layer's norm
+    double least = 0.0; // lower limit of the layer's norm; cheap ways first
     *floor = 0.0;
     if (k->negative) // no engine guarantees anything
         return GP_OK;
-    // light of each source in its own pixel
+    // by what each source leaves in its own pixel
     if (k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h) {
         const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
         for (int c = 0; c < 3; c++)
@@ -290,20 +293,19 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
                      (double) k->k.c[c][at];
         least = sqrt(least);
     }
-    if (least < enough) { // light of sources, wherever they are
+    if (least < enough) { // by a quarter of the kernel, in any frame
         struct gp_fft_quarters quarters;
         gp_fft_find_quarters(k, src->w, src->h, &quarters);
         least = gp_fft_least(src, &quarters);
     }
-    if (least < enough) { // light of these sources
+    if (least < enough) { // by the sources' places
         double other;
         gp_status st = gp_layer_least(req->log, src, k, &other);
         if (st)
             return st;
         least = fmax(least, other);
     }
-    // (adding the far field rounds the sum once, light from beyond the border
-    // four times)
+    // (adding the far field rounds once, light from beyond the border 4 times)
     *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;
     *floor += (req->far ? 0x1p-24 : 0.0) + (req->beyond ? 0x1p-22 : 0.0);
     return GP_OK;
@@ -314,15 +316,15 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
 struct floors {
     const struct gp_glare_request *req;
     const struct gp_image *f;
-    double centre[3];   // kernel samples that a source's own pixel gets
+    double centre[3];     // kernel samples that a source's own pixel gets
     struct cells cells;
-    double *least, *most; // of each cell
+    double *least, *most; // own part of Y in a pixel of each cell
 };
 
-/* The composite's luminance in pixel x of row y, but for the light of other
- * pixels; *taken and *lit step through the sources of the row. */
+/* Returns the own part of Y in pixel x of row y. *taken and *spread are the
+ * next sources of the row in p->taken and in m->req->src. */
 static double own_luminance(const struct floors *m, size_t x, size_t y,
-                            uint32_t *taken, uint32_t *lit)
+                            uint32_t *taken, uint32_t *spread)
 {
     const struct gp_glare_params *const p = m->req->params;
     const struct gp_sources *const t = p->taken, *const s = m->req->src;
@@ -331,21 +333,21 @@ static double own_luminance(const struct floors *m, size_t x, size_t y,
     double sum = 0.0;
     const bool gives = t && *taken < t->row[y + 1] &&
                        (size_t) t->x[*taken] == x;
-    const bool gets = *lit < s->row[y + 1] && (size_t) s->x[*lit] == x;
+    const bool gets = *spread < s->row[y + 1] && (size_t) s->x[*spread] == x;
     for (int c = 0; c < 3; c++) {
         double v = (double) m->f->rgb.c[c][at];
         if (gives)
             v -= fmin(gain, 1.0) * (double) t->rgb[c][*taken];
         if (gets)
-            v += gain * m->centre[c] * (double) s->rgb[c][*lit];
+            v += gain * m->centre[c] * (double) s->rgb[c][*spread];
         sum += (double) m->f->luminance[c] * v;
     }
     *taken += gives;
-    *lit += gets;
+    *spread += gets;
     return sum;
 }
 
-/* Fills the least and the most of one row of cells. */
+/* Fills m->least and m->most of a row of cells. */
 static void bound_row(void *ctx, int row, int thread)
 {
     const struct floors *const m = ctx;
@@ -360,10 +362,10 @@ static void bound_row(void *ctx, int row, int thread)
         m->most[first + (size_t) x] = -INFINITY;
     }
     for (size_t y = (size_t) row * (size_t) side; y < end; y++) {
-        uint32_t taken = t ? t->row[y] : 0, lit = m->req->src->row[y];
+        uint32_t taken = t ? t->row[y] : 0, spread = m->req->src->row[y];
         for (size_t x = 0; x < w; x++) {
             const size_t at = first + x / (size_t) side;
-            const double v = own_luminance(m, x, y, &taken, &lit);
+            const double v = own_luminance(m, x, y, &taken, &spread);
             m->least[at] = fmin(m->least[at], v);
             m->most[at] = fmax(m->most[at], v);
         }
@@ -375,7 +377,7 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
 {
     const struct gp_kernel *const k = req->kernel;
     struct floors m = {.req = req, .f = f};
-    struct gp_pixel_floor o = {.least = INFINITY, .lit = INFINITY};
+    struct gp_pixel_floor o = {.own = INFINITY, .dimmest = INFINITY};
     m.cells = choose_cells(req->src->w, req->src->h, k);
     const size_t n = (size_t) m.cells.columns * (size_t) m.cells.rows;
     gp_status st = gp_alloc_zero(req->log, "pixel bound", 3 * n,
@@ -392,8 +394,8 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
         if (k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h)
             m.centre[c] = (double) k->k.c[c][(size_t) k->cy * (size_t) k->w +
                                              (size_t) k->cx];
-        // primaries outside the visible colours have negative luminance
-        o.less += fmax(-o.weight[c], 0.0) * o.layer[c] *
+        // a primary that is no visible colour may have negative luminance
+        o.negative += fmax(-o.weight[c], 0.0) * o.layer[c] *
                   (double) req->params->gain;
         o.lost[c] = 0x1p-120 * (req->src->flux[c] + k->norm1[c] +
                                 2.0 * (double) req->src->n);
@@ -406,15 +408,15 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
     }
     gp_parallel_do(m.cells.rows, bound_row, &m);
     for (int c = 0; c < 3 && !k->negative; c++) {
-        if (o.weight[c] > 0.0) // the least of what other cells add
-            GP_TRY(add_faint(req->log, &m.cells, k, c, req->src, o.weight[c],
+        if (o.weight[c] > 0.0)
+            GP_TRY(add_least(req->log, &m.cells, k, c, req->src, o.weight[c],
                              false, others));
     }
     for (size_t i = 0; i < n; i++) {
         const double more = (double) req->params->gain * others[i];
-        o.least = fmin(o.least, m.least[i]);
-        o.lit = fmin(o.lit, m.least[i] + more);
-        o.most = fmax(o.most, m.most[i] + more);
+        o.own = fmin(o.own, m.least[i]);
+        o.dimmest = fmin(o.dimmest, m.least[i] + more);
+        o.brightest = fmax(o.brightest, m.most[i] + more);
     }
     o.rounded = req->beyond ? 0x1p-22 : 0.0;
     *out = o;
@@ -426,17 +428,18 @@ out:
 double gp_pixel_bound(const struct gp_pixel_floor *f,
                       const struct gp_pixel_error *e, double gain)
 {
-    const double peak = 1e-6 * (f->most - f->less);
-    const double dark = fmax(f->lit - f->less, 0.0) + peak;
+    const double peak = 1e-6 * (f->brightest - f->negative);
+    const double dark = fmax(f->dimmest - f->negative, 0.0) + peak;
     double sum = 0.0;
     if (!(peak > 0.0) || !(e->relative < INFINITY))
         return INFINITY;
-    for (int c = 0; c < 3; c++) {
-        const double share = f->less > 0.0 ? e->relative * f->layer[c] : 0.0;
-        sum += gain * fabs(f->weight[c]) * (e->of[c] + share + f->lost[c] +
-                                           f->far[c]);
-    }
-    const double own =
-        f->less > 0.0 ? 0.0 : e->relative * (1.0 + fmax(-f->least, 0.0) / peak);
-    return sum / dark + own + f->rounded;
+    // the light of other pixels is Y less the own part, if none is negative
+    const bool adds = !(f->negative > 0.0);
+    for (int c = 0; c < 3; c++)
+        sum += gain * fabs(f->weight[c]) *
+               (e->of[c] + (adds ? 0.0 : e->relative * f->layer[c]) +
+                f->lost[c] + f->far[c]);
+    const double in_proportion =
+        adds ? e->relative * (1.0 + fmax(-f->own, 0.0) / peak) : 0.0;
+    return sum / dark + in_proportion + f->rounded;
 }
