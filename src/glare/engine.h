@@ -62,7 +62,7 @@ struct gp_glare_params {
     { .engine = "auto", .gain = 1.0f, .tolerance = 1e-3f,                     \
       .splat = GP_SPLAT_DEFAULTS }
 
-/* The part of the layer that is no engine's: the kernel's far field. */
+/* Light that no engine draws: the far field's, and from beyond the border. */
 struct gp_layer_rest {
     gp_task add; // adds it to row i % h of channel i / h of the layer, of w * h
     void *ctx;
@@ -78,13 +78,12 @@ struct gp_glare_request {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct glarepp_layer_facts *stats;
-    struct gp_layer_rest *rest;       // or NULL
-    const struct gp_far_state *far; // open for the kernel's far field, which is
-                   // added to what engines draw; NULL: the kernel has none
-    const struct gp_beyond *beyond; // light from beyond the border, or NULL:
-                   // what the far field's error adds to it counts
-    double floor;  // added to a bound, for the far field's error and for values
-                   // under the range of float
+    struct gp_layer_rest *rest;     // or NULL
+    const struct gp_far_state *far; // of the kernel's far field, which `rest`
+                                    // adds; NULL: it has none
+    const struct gp_beyond *beyond; // light from beyond the border, on which
+                                    // the far field errs too; NULL: none
+    double floor; // added to a bound of rel_l2: gp_error_floor_find()
 };
 
 /* Bounds the error of a sample of the layer: relative * it + of[channel]. */
@@ -101,7 +100,7 @@ struct gp_engine {
     gp_status (*bound)(const struct gp_glare_request *req, void **state,
                        double *out);
 
-    /* Bounds the error of a pixel before any drawing; its `relative` is INFINITY
+    /* Bounds the error of a pixel before any drawing; `relative` is INFINITY
      * where nothing can be guaranteed. NULL: the engine never guarantees one.
      * Errors: GP_ERR_BUG out of memory. */
     gp_status (*pixel)(const struct gp_glare_request *req, void **state,
