@@ -50,8 +50,8 @@ struct gp_lit_row {
 /* A normalised kernel. Sample (x, y) of `k` is the share of a source's light
  * that falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q).
  * With a far field `k` is only the core, and the far field's light is added.
- * Samples may be negative. Those under FLT_MIN, 1.2e-38, are set to 0. Rows and
- * columns of zeros at the border are cut off. */
+ * Samples may be negative. Magnitudes under FLT_MIN, 1.2e-38, become 0. Rows
+ * and columns of zeros at the border are cut off. */
 struct gp_kernel {
     int w, h;
     int cx, cy;           // the centre's pixel; may lie outside [0,w) x [0,h)
@@ -60,8 +60,9 @@ struct gp_kernel {
     struct gp_far_field *far; // NULL: `k` is the whole kernel; owned
     double sum[3];        // of samples by channel, the far field's too
     double norm2[3];      // root of their sum of squares, and ...
-    double norm1[3];      // ... sum of magnitudes; with a far field no less
-    double faint[3];      // sum of magnitudes that were set to 0, by channel
+    double norm1[3];      // ... sum of magnitudes; upper limits of both with a
+                          // far field
+    double faint[3];      // sum of magnitudes that became 0, by channel
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0
     struct gp_lit_row *lit; // of row y of channel c: lit[c * h + y]; owned.

@@ -122,7 +122,7 @@ GP_CLONES static void add_scaled(double *restrict to,
         to[i] += k * from[i];
 }
 
-/* Adds the least light that all cells spread to row y of them. */
+/* Adds to row y of cells the least light that they get from all cells. */
 static void add_least_row(void *ctx, int y, int thread)
 {
     const struct spreading *const f = ctx;
