@@ -148,6 +148,7 @@ static struct gp_field find_field(struct glarepp_frame *f)
     }
     struct gp_field field = gp_field_of(&f->image, fov);
     field.rotate = f->plan->rotate;
+    field.tolerance = (double) f->plan->glare.tolerance;
     field.fps = f->p.fps > 0.0 ? f->p.fps : field.fps;
     field.frame = f->p.numbered ? f->p.number : 0;
     const bool angled = r->recipes || r->degrees > 0.0;

@@ -30,6 +30,16 @@ r = json.load(open("few.json"))
 print(r["engine"], r["measured"]["rel_l2"] <= r["bound"] < 1e-5)')" 'direct True' \
     'direct is, with the whole kernel'
 
+# the far field is as coarse as the tolerance allows
+for row in 0.001:8 0.01:16 0.1:32; do
+    run -q --style camera --tolerance "${row%:*}" --verify --report coarse.json \
+        --layer coarse.exr "$root/examples/street.exr"
+    is "$("$python" -c 'import json
+r = json.load(open("coarse.json"))
+print(r["kernel"]["grid"], r["measured"]["rel_l2"] <= r["bound"] <= '"${row%:*}"')')" \
+        "${row#*:} True" "tolerance ${row%:*}: the far field's grid"
+done
+
 frame kernel.exr kind=kernel size=512x512 type=float
 gl=
 frame small.exr
@@ -119,7 +129,8 @@ frame lamps.exr lights=40 size=150x111 type=float
     --layer none.exr lamps.exr
 "$glarepp" --no-provenance --engine fft -k kernel.exr --type float \
     --rotate 0 --layer zero.exr lamps.exr
-"$glarepp" --engine fft -k kernel.exr --type float --rotate 12.5 --layer some.exr lamps.exr
+"$glarepp" --no-provenance --engine fft -k kernel.exr --type float \
+    --rotate 12.5 --layer some.exr lamps.exr
 same none.exr zero.exr '--rotate 0: the same bytes as none'
 no '--rotate 12.5 turns' cmp -s none.exr some.exr
 if [ -n "$oiio" ]; then

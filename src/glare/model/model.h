@@ -149,6 +149,7 @@ struct gp_field {
     float luminance[3];   // weights of these primaries
     int frame;            // its number, for models that change in time
     double fps;           // frames a second, > 0
+    double tolerance;     // of rel_l2; 0: as by default
 };
 
 #define GP_USUAL_FOV 30.0 // degrees, where nothing says another

@@ -110,6 +110,29 @@ static void pages_return(void **state)
     gp_free(large);
 }
 
+/* Blocks that wait are each taken once, and go when nobody keeps them. */
+static void blocks_are_apart(void **state)
+{
+    enum { BLOCKS = 4, EACH = 20 * MIB };
+    uint8_t *block[BLOCKS];
+    need_kept_blocks();
+    for (int round = 0; round < 2; round++) {
+        for (int i = 0; i < BLOCKS; i++) {
+            block[i] = alloc_block(EACH);
+            block[i][0] = (uint8_t) i;
+        }
+        for (int i = 0; i < BLOCKS; i++) {
+            assert_int_equal(block[i][0], i);
+            gp_free(block[i]);
+        }
+    }
+    const size_t before = resident();
+    gp_keep_memory(false);
+    assert_true(before - resident() >= (size_t) BLOCKS * EACH);
+    gp_free(alloc_block(EACH));
+    gp_keep_memory(true);
+}
+
 static void *use_blocks(void *arg)
 {
     for (int i = 0; i < 60; i++) {
@@ -198,6 +221,7 @@ static int keep_memory(void **state)
     return 0;
 }
 
-SUITE_OF(memory, keep_memory, NULL, pages_return, sizes_are_checked,
+SUITE_OF(memory, keep_memory, NULL, pages_return, blocks_are_apart,
+         sizes_are_checked,
     memory_is_full, small_and_none, zero_of_a_used_block, resized,
     threads_share)
