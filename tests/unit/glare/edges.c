@@ -127,15 +127,18 @@ static void layers_are_the_plain_sum(void **state)
     static const char *const engines[] = {"fft", "direct", "auto"};
     static const enum light lights[] = {ALL, RAMP, COLOURED, MANY};
     (void) state;
+    struct gp_kernel k = {0};
     for (size_t i = 0; i < (COUNT(shapes) + COUNT(models)) * COUNT(lights);
          i++) {
         const size_t n = i / COUNT(lights);
         const bool model = n >= COUNT(shapes);
-        const int w = model ? 420 : 61, h = model ? 300 : 47;
+        const int w = model ? 420 : 61, h = model ? 100 : 47;
         struct scene s = sensed(w, h, lights[i % COUNT(lights)]);
-        s.k = model ? kernel_for(models[n - COUNT(shapes)], w, h)
-                    : scene_kernel(45, 38, n == 2 ? 3 : MID, n == 2 ? 40 : MID,
-                                   shapes[n]);
+        if (i % COUNT(lights) == 0)
+            k = model ? kernel_for(models[n - COUNT(shapes)], w, h)
+                      : scene_kernel(45, 38, n == 2 ? 3 : MID,
+                                     n == 2 ? 40 : MID, shapes[n]);
+        s.k = k;
         const struct gp_surround edges = {
             i % 2 ? GLAREPP_MIRROR : GLAREPP_EXTEND, &s.src, NULL,
         };
@@ -151,6 +154,8 @@ static void layers_are_the_plain_sum(void **state)
             fail_msg("kernel %zu, light %zu, %s: %g, bound %g", n,
                      i % COUNT(lights), engines[e], error, bound);
         assert_true(i % COUNT(lights) != 0 || black > 1e-3); // light came back
+        if (i % COUNT(lights) < COUNT(lights) - 1)
+            s.k = (struct gp_kernel) {0}; // the next light has it too
         scene_free(&s);
     }
 }
