@@ -230,7 +230,6 @@ enum kind {
     MIB,      // size_t, bytes
     PUPIL,    // double; 0 is null
     INTERVAL, // two doubles, rounded outward
-    WORD,     // enum, index into `words`
     OBJECT,   // of `rows`
     SETTINGS, // const struct gp_settings *
     WARNINGS, // of all facts
@@ -252,7 +251,6 @@ struct row {
     size_t count;
     double step;
     const struct row *rows;   // those of an object
-    const char *const *words;
 };
 
 #define AT(type, m) offsetof(struct type, m)
@@ -305,15 +303,6 @@ static const struct row light_rows[] = {
 static const struct row ocio_rows[] = {
     OCIO(config), OCIO(input), OCIO(display), OCIO(view), OCIO(look),
     OCIO(output), {0},
-};
-
-static const char *const edges[] = {
-    [GP_EDGES_DEPTH] = "depth alone: within 0.06 of the truth for a sun of 2.5 "
-                       "pixels; coverage (--mask) is nearer",
-    [GP_EDGES_COVERAGE] = "coverage: within 0.02 of the truth for a sun of 2.5 "
-                          "pixels",
-    [GP_EDGES_MASK] = "coverage without depth: surfaces beyond a light hide it "
-                      "too, and the error is not known; add depth (--depth)",
 };
 
 /* Fields of every line. Of two with one name the latter counts. */
@@ -407,8 +396,7 @@ static const struct row made_rows[] = {
     LIST("lights", OBJECT, lib.light, lib.lights, IF(lib.light),
          .rows = light_rows),
     SOME("sun_method", lib.shares_by),
-    AS(WORD, gp_frame_report, "sun_edges", hidden.edges, IF(hidden.edges),
-       .words = edges),
+    SOME("sun_edges", hidden.edges),
     AS(OBJECT, gp_frame_report, "ocio", ocio, IF(ocio), .pointed = true,
        .rows = ocio_rows),
     TIME("read", GP_TIME_READ),
@@ -499,7 +487,6 @@ static json_t *value_at(const struct row *r, const void *at)
     case INTERVAL:
         return json_pack("[f,f]", floor(v[0] * 1e6) * 1e-6,
                          ceil(v[1] * 1e6) * 1e-6);
-    case WORD: return gp_json_name(r->words[*(const int *) at]);
     case OBJECT:
         o = json_object();
         put_rows(o, r->rows, at, true);

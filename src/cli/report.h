@@ -50,17 +50,10 @@ struct gp_read_facts {
     struct gp_rect file;         // data window of the file
 };
 
-/* The plane that hides lights in the frame: it says how near shares are. */
-enum gp_edges {
-    GP_EDGES_NONE, // no light is in the frame, or nothing hides any
-    GP_EDGES_DEPTH,
-    GP_EDGES_COVERAGE, // and depth
-    GP_EDGES_MASK,     // coverage without depth
-};
-
 /* Of what hides lights. */
 struct gp_occluder_facts {
-    enum gp_edges edges;
+    const char *edges;           // "PLANE: how near it makes shares"; NULL: no
+                                 // light is in the frame, or nothing hides any
     const char *depth;           // channel, or NULL
     const char *depth_type;      // NULL: the frame has light
     const char *mask;            // coverage channel, or NULL

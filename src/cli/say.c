@@ -209,12 +209,6 @@ static void say_kernel(FILE *w, const struct gp_frame_report *f)
 static void say_lights(FILE *w, const struct gp_frame_report *f)
 {
     enum { MOST = 8 };
-    static const char *const edges[] = {
-        [GP_EDGES_NONE] = "",
-        [GP_EDGES_DEPTH] = "edges by depth alone",
-        [GP_EDGES_COVERAGE] = "edges by coverage",
-        [GP_EDGES_MASK] = "edges by coverage without depth",
-    };
     const struct gp_occluder_facts *const s = &f->hidden;
     const int lights = f->lib.lights;
     for (int i = 0; i < lights && i < MOST; i++) {
@@ -230,7 +224,7 @@ static void say_lights(FILE *w, const struct gp_frame_report *f)
     if (s->depth && !f->lib.depth_empty[0])
         fprintf(w, ", depth of %s", s->depth);
     if (s->edges)
-        fprintf(w, ", %s", edges[s->edges]);
+        fprintf(w, ", edges by %.*s", (int) strcspn(s->edges, ":"), s->edges);
 }
 
 static void say_ghosts(FILE *w, const struct gp_frame_report *f)

@@ -309,14 +309,19 @@ static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
  * the shares are. */
 static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
 {
+    static const char *const edges[2][2] = { // with coverage, with depth
+        {NULL, "depth alone: within 0.06 of the truth for a sun of 2.5 pixels; "
+         "coverage (--mask) is nearer"},
+        {"coverage without depth: surfaces beyond a light hide it too, and the "
+         "error is not known; add depth (--depth)",
+         "coverage: within 0.02 of the truth for a sun of 2.5 pixels"},
+    };
     const struct glarepp_facts *const lib = glarepp_frame_facts(fs->frame);
     struct gp_occluder_facts *const facts = &fs->facts.hidden;
     gp_status st = GP_OK;
     for (int i = 0; i < lib->lights && !facts->edges; i++) {
         if (lib->light[i].in_frame)
-            facts->edges = facts->mask ? facts->depth ? GP_EDGES_COVERAGE
-                                                      : GP_EDGES_MASK
-                           : facts->depth ? GP_EDGES_DEPTH : GP_EDGES_NONE;
+            facts->edges = edges[facts->mask != NULL][facts->depth != NULL];
     }
     for (int i = 0; i < r->jobs->targets && !st; i++) {
         const enum gp_target_kind kind = r->jobs->target[i].kind;

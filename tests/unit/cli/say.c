@@ -173,7 +173,7 @@ static void notes_of_what_else_there_is(void **state)
     f.lib.light = light;
     f.lib.lights = 2;
     f.hidden.depth = depth;
-    f.hidden.edges = GP_EDGES_DEPTH;
+    f.hidden.edges = "depth alone: near";
     f.lib.flare.runs = f.lib.flare.elements = 3;
     f.lib.lens.name = "heliar";
     f.lib.verified = true;
