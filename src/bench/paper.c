@@ -23,29 +23,25 @@ static uint64_t mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-struct dice {
-    uint64_t state;
-};
-
 /* In [0, 1). */
-static double roll(struct dice *d)
+static double roll(uint64_t *dice)
 {
-    return (double) (mix(d->state += 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
+    return (double) (mix(*dice += 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
 }
 
-static double between(struct dice *d, double low, double high)
+static double between(uint64_t *dice, double low, double high)
 {
-    return low + (high - low) * roll(d);
+    return low + (high - low) * roll(dice);
 }
 
 /* Spread over octaves from `low`: about log-uniform, without a logarithm. */
-static double octaves(struct dice *d, double low, double high)
+static double octaves(uint64_t *dice, double low, double high)
 {
-    double v = low * (1.0 + roll(d));
+    double v = low * (1.0 + roll(dice));
     int doublings = 0;
     for (double top = 2.0 * low; top < high; top *= 2.0)
         doublings++;
-    for (int n = (int) (roll(d) * (doublings + 1)); n > 0; n--)
+    for (int n = (int) (roll(dice) * (doublings + 1)); n > 0; n--)
         v *= 2.0;
     return v < high ? v : high;
 }
@@ -69,10 +65,8 @@ static double noise(uint64_t seed, double x, double y)
 
 // -- light -------------------------------------------------------------------
 
-struct canvas {
-    struct gp_frame *f;
-    int w, h;
-};
+/* Pixels of the frames that are painted. */
+enum { W = GP_PAPER_W, H = GP_PAPER_H };
 
 /* A colour of luminance 1. */
 struct tint {
@@ -86,45 +80,44 @@ static struct tint tint_of(double r, double g, double b)
     return (struct tint) {{r / y, g / y, b / y}};
 }
 
-static struct tint random_tint(struct dice *d, struct tint low)
+static struct tint random_tint(uint64_t *dice, struct tint low)
 {
     double c[3];
     for (int i = 0; i < 3; i++)
-        c[i] = between(d, low.c[i], 1.0);
+        c[i] = between(dice, low.c[i], 1.0);
     return tint_of(c[0], c[1], c[2]);
 }
 
-static void set_light(const struct canvas *v, int x, int y,
+static void add_light(const struct gp_frame *f, int x, int y,
                       const struct tint *t, double luminance)
 {
-    const size_t at = (size_t) y * (size_t) v->w + (size_t) x;
     for (int c = 0; c < 3; c++)
-        v->f->rgb.c[c][at] = (float) (luminance * t->c[c]);
+        f->rgb.c[c][y * W + x] += (float) (luminance * t->c[c]);
 }
 
-static void add_light(const struct canvas *v, int x, int y,
+static void set_light(const struct gp_frame *f, int x, int y,
                       const struct tint *t, double luminance)
 {
-    const size_t at = (size_t) y * (size_t) v->w + (size_t) x;
     for (int c = 0; c < 3; c++)
-        v->f->rgb.c[c][at] += (float) (luminance * t->c[c]);
+        f->rgb.c[c][y * W + x] = 0.0f;
+    add_light(f, x, y, t, luminance);
 }
 
 /* Points of light between pixels, each on its four neighbours. */
-static void paint_points(const struct canvas *v)
+static void paint_points(const struct gp_frame *f)
 {
     enum { POINTS = 32 };
     static const struct tint least = {{0.5, 0.5, 0.5}};
-    struct dice d = {11};
+    uint64_t dice = 11;
     for (int i = 0; i < POINTS; i++) {
-        const struct tint t = random_tint(&d, least);
-        const double x = between(&d, 2.0, v->w - 4);
-        const double y = between(&d, 2.0, v->h - 4);
-        const double luminance = octaves(&d, 10.0, 5000.0);
+        const struct tint t = random_tint(&dice, least);
+        const double x = between(&dice, 2.0, W - 4);
+        const double y = between(&dice, 2.0, H - 4);
+        const double luminance = octaves(&dice, 10.0, 5000.0);
         const int ix = (int) x, iy = (int) y;
         const double fx = x - ix, fy = y - iy;
         for (int k = 0; k < 4; k++) // by their nearness
-            add_light(v, ix + k % 2, iy + k / 2, &t,
+            add_light(f, ix + k % 2, iy + k / 2, &t,
                       luminance * (k % 2 ? fx : 1.0 - fx) *
                           (k / 2 ? fy : 1.0 - fy));
     }
@@ -132,24 +125,24 @@ static void paint_points(const struct canvas *v)
 
 /* Lit rooms seen through windows: brighter towards a room's lamp, darker where
  * a curtain is on one side, whose folds are 3 pixels wide; and street lamps. */
-static void paint_windows(const struct canvas *v)
+static void paint_windows(const struct gp_frame *f)
 {
     enum { ACROSS = 16, DOWN = 12, LAMPS = 6 };
     static const struct tint room = {{0.8, 0.6, 0.3}};
     static const struct tint least = {{0.7, 0.6, 0.4}};
-    struct dice d = {22};
+    uint64_t dice = 22;
     for (int i = 0; i < ACROSS * DOWN; i++) {
-        struct gp_rect r = {v->w * (10 * (i % ACROSS) + 3) / (10 * ACROSS),
-                            v->h * (10 * (i / ACROSS) + 3) / (10 * DOWN), 0, 0};
-        r.x1 = r.x0 + v->w * 26 / (100 * ACROSS);
-        r.y1 = r.y0 + v->h * 35 / (100 * DOWN);
-        if (roll(&d) >= 1.0 / 3.0)
+        struct gp_rect r = {W * (10 * (i % ACROSS) + 3) / (10 * ACROSS),
+                            H * (10 * (i / ACROSS) + 3) / (10 * DOWN), 0, 0};
+        r.x1 = r.x0 + W * 26 / (100 * ACROSS);
+        r.y1 = r.y0 + H * 35 / (100 * DOWN);
+        if (roll(&dice) >= 1.0 / 3.0)
             continue;
-        const struct tint t = random_tint(&d, room);
-        const double luminance = octaves(&d, 5.0, 50.0);
-        const double lamp_x = roll(&d), lamp_y = roll(&d);
-        const double curtain = between(&d, -0.5, 0.5); // < 0: none
-        const bool left = roll(&d) < 0.5;
+        const struct tint t = random_tint(&dice, room);
+        const double luminance = octaves(&dice, 5.0, 50.0);
+        const double lamp_x = roll(&dice), lamp_y = roll(&dice);
+        const double curtain = between(&dice, -0.5, 0.5); // < 0: none
+        const bool left = roll(&dice) < 0.5;
         for (int y = r.y0; y < r.y1; y++) {
             for (int x = r.x0; x < r.x1; x++) {
                 const double u = (x - r.x0 + 0.5) / gp_rect_w(r);
@@ -158,43 +151,43 @@ static void paint_windows(const struct canvas *v)
                 double l = luminance / (1.0 + 0.8 * (du * du + ds * ds));
                 if ((left ? u : 1.0 - u) < curtain)
                     l *= (x - r.x0) % 3 == 0 ? 0.3 : 0.45;
-                set_light(v, x, y, &t, l);
+                set_light(f, x, y, &t, l);
             }
         }
     }
     for (int i = 0; i < LAMPS; i++) {
-        const struct tint t = random_tint(&d, least);
-        const double x = between(&d, 4.0, v->w - 5);
-        const double y = between(&d, 0.8 * v->h, v->h - 5);
-        const double luminance = octaves(&d, 100.0, 5000.0);
-        const double radius = between(&d, 0.7, 2.0); // fades within a pixel
+        const struct tint t = random_tint(&dice, least);
+        const double x = between(&dice, 4.0, W - 5);
+        const double y = between(&dice, 0.8 * H, H - 5);
+        const double luminance = octaves(&dice, 100.0, 5000.0);
+        const double radius = between(&dice, 0.7, 2.0); // fades within a pixel
         const int reach = (int) radius + 2;
         const struct gp_rect r = {(int) x - reach, (int) y - reach,
                                   (int) x + reach, (int) y + reach};
-        for (int j = gp_max(r.y0, 0); j <= gp_min(r.y1, v->h - 1); j++) {
-            for (int k = gp_max(r.x0, 0); k <= gp_min(r.x1, v->w - 1); k++) {
+        for (int j = gp_max(r.y0, 0); j <= gp_min(r.y1, H - 1); j++) {
+            for (int k = gp_max(r.x0, 0); k <= gp_min(r.x1, W - 1); k++) {
                 const double dx = k - x, dy = j - y;
                 const double in = radius + 0.5 - sqrt(dx * dx + dy * dy);
                 if (in > 0.0)
-                    add_light(v, k, j, &t, luminance * (in < 1.0 ? in : 1.0));
+                    add_light(f, k, j, &t, luminance * (in < 1.0 ? in : 1.0));
             }
         }
     }
 }
 
-static void paint_sky(const struct canvas *v)
+static void paint_sky(const struct gp_frame *f)
 {
     const struct tint blue = tint_of(0.8, 1.0, 1.3);
-    for (int x = 0; x < v->w; x++) {
-        const double u = (double) x / v->h;
-        const double horizon = v->h * (0.57 + 0.08 * noise(31, 3.0 * u, 0.0) +
+    for (int x = 0; x < W; x++) {
+        const double u = (double) x / H;
+        const double horizon = H * (0.57 + 0.08 * noise(31, 3.0 * u, 0.0) +
                                        0.02 * noise(32, 29.0 * u, 0.0));
         for (int y = 0; y < (int) horizon; y++) {
-            const double t = (double) y / v->h;
+            const double t = (double) y / H;
             const double cloud = 0.55 * noise(33, 5.0 * u, 7.0 * t) +
                                  0.3 * noise(34, 17.0 * u, 23.0 * t) +
                                  0.15 * noise(35, 61.0 * u, 71.0 * t);
-            set_light(v, x, y, &blue, 2.1 + 17.8 * cloud);
+            set_light(f, x, y, &blue, 2.1 + 17.8 * cloud);
         }
     }
 }
@@ -217,27 +210,25 @@ static gp_status make_frame(const struct gp_log *log, const char *name, int w,
 gp_status gp_paper_frame(const struct gp_log *log, enum gp_paper_kind kind,
                          struct gp_frame *out)
 {
-    static void (*const paint[GP_PAPER_KINDS])(const struct canvas *) = {
+    static void (*const paint[GP_PAPER_KINDS])(const struct gp_frame *) = {
         [GP_PAPER_POINTS] = paint_points, [GP_PAPER_WINDOWS] = paint_windows,
         [GP_PAPER_SKY] = paint_sky,
     };
-    enum { w = GP_PAPER_W, h = GP_PAPER_H };
-    gp_status st = make_frame(log, gp_paper_rates[kind].name, w, h, out);
+    gp_status st = make_frame(log, gp_paper_rates[kind].name, W, H, out);
     if (st)
         return st;
-    const struct canvas v = {out, w, h};
     const uint64_t seed = 100 * (uint64_t) (kind + 1);
     const struct tint warm = tint_of(1.0, 0.95, 0.85);
-    for (int y = 0; y < h; y++) { // the background: 0.05 to 0.8
-        for (int x = 0; x < w; x++) {
-            const double u = (double) x / h, t = (double) y / h;
+    for (int y = 0; y < H; y++) { // the background: 0.05 to 0.8
+        for (int x = 0; x < W; x++) {
+            const double u = (double) x / H, t = (double) y / H;
             const double n = 0.5 * noise(seed, 4.0 * u, 4.0 * t) +
                              0.3 * noise(seed + 1, 16.0 * u, 16.0 * t) +
                              0.2 * noise(seed + 2, 97.0 * u, 97.0 * t);
-            set_light(&v, x, y, &warm, 0.05 + 0.75 * n);
+            set_light(out, x, y, &warm, 0.05 + 0.75 * n);
         }
     }
-    paint[kind](&v);
+    paint[kind](out);
     return GP_OK;
 }
 
@@ -258,14 +249,14 @@ gp_status gp_paper_kernel(const struct gp_log *log, struct gp_frame *out)
         return st;
     // 8 strong ones that cross, the others anywhere and weaker. Directions are
     // ((1 - t^2), 2 t) / (1 + t^2), points of the circle without a sine
-    struct dice d = {7};
+    uint64_t dice = 7;
     for (int i = 0; i < STREAKS; i++) {
         const double t = i < STRONG ? 0.47 * (i / 2) - 0.9
-                                    : between(&d, -1.0, 1.0);
+                                    : between(&dice, -1.0, 1.0);
         const double side = i % 2 ? -1.0 : 1.0, q = 1.0 + t * t;
         s[i].x = side * (1.0 - t * t) / q;
         s[i].y = side * 2.0 * t / q;
-        s[i].strength = i < STRONG ? 8.0 : 2.0 * roll(&d) * roll(&d);
+        s[i].strength = i < STRONG ? 8.0 : 2.0 * roll(&dice) * roll(&dice);
     }
     const double half = size / 2;
     for (int c = 0; c < 3; c++) {
