@@ -101,7 +101,7 @@ static bool print_group(FILE *f, int group, unsigned commands)
         own++;
     own = !own->word || own->bit == GP_COMMAND_HELP ? gp_commands : own;
     for (const struct gp_option *o = gp_options; o->name; o++) {
-        if ((int) o->group != group || o->hidden || !(o->commands & commands))
+        if ((int) o->group != group || !o->help || !(o->commands & commands))
             continue;
         if (!headed)
             fprintf(f, "%s\n", head->title);
@@ -224,7 +224,7 @@ static gp_status unknown_topic(const struct gp_log *log, const char *topic)
     for (int i = 0; topic_at(i, &t); i++)
         gp_nearest_try(&near, t.word);
     for (const struct gp_option *o = gp_options; o->name; o++) {
-        if (!o->hidden)
+        if (o->help)
             gp_nearest_try(&near, o->name);
     }
     if (near.name)
@@ -309,7 +309,7 @@ static int print_options_of(FILE *f, const char *topic, enum match match)
     int found = 0;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         const char *name, *text;
-        if (o->hidden || match_of(o, topic) != match)
+        if (!o->help || match_of(o, topic) != match)
             continue;
         if (found++)
             putc('\n', f);
@@ -421,7 +421,7 @@ void gp_help_table(FILE *f)
         fprintf(f, "group\t%s\t%s\n", gp_option_groups[g].title,
                 gp_option_groups[g].example);
         for (const struct gp_option *o = gp_options; o->name; o++) {
-            if ((int) o->group != g || o->hidden)
+            if ((int) o->group != g || !o->help)
                 continue;
             const bool many = o->kind == GP_KIND_TEXTS ||
                               o->kind == GP_KIND_NAMED;

@@ -551,8 +551,7 @@ const struct gp_option gp_options[] = {
         .commands = ~0u, .arg = "[TOPIC]", .choices = gp_topics, .open = true,
         .blank = true, .optional = true, .help = "Print help: one screen, "
         "a command's own, a topic of glarepp help"),
-    OPT(words.help_table, .name = "help-table", IN(GENERAL), .hidden = true,
-        .help = "Print this table for the man page and completions"),
+    OPT(words.help_table, .name = "help-table", IN(GENERAL)),
     {0},
 };
 

@@ -279,7 +279,7 @@ struct gp_option {
     bool off;              // GP_KIND_FLAG
     int least, most;       // GP_KIND_NUMBERS
     const char *arg;       // name of the value in --help; NULL: takes none
-    const char *help;      // one line, no full stop
+    const char *help;      // one line, no full stop; NULL: not in --help
     const char *usual;     // at most 50 characters, for --help of one screen;
                            // NULL: it is not there
     const struct gp_option_choice *choices;  // NULL name at the end
@@ -290,7 +290,6 @@ struct gp_option {
     bool optional;         // ... and the value may be left out: the next word is
                            // it only where it is all letters
     bool once;             // GP_KIND_TEXT: a second value is an error
-    bool hidden;           // not in --help
     bool aside;            // no pixel of an output depends on it; implied for
                            // OUTPUT, REPORT and GENERAL,
     bool pixels;           // but for these

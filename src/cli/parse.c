@@ -314,7 +314,7 @@ static gp_status read_option(const struct gp_log *log, int argc,
                                gone[k][0], gone[k][1]);
         }
         for (const struct gp_option *o = gp_options; o->name; o++) {
-            if (!o->hidden && (o->commands & s->command))
+            if (o->help && (o->commands & s->command))
                 gp_nearest_try(&near, o->name);
         }
         if (near.name)

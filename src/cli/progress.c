@@ -78,11 +78,6 @@ static void draw_line(struct gp_progress *p, double now)
     p->last_ms = now;
 }
 
-static bool is_for_programs(const struct gp_progress *p)
-{
-    return p->when >= GP_PROGRESS_PERCENT;
-}
-
 /* Prints a line for programs when the count has changed, or at the end. */
 static void print_news(struct gp_progress *p, double now, bool end)
 {
@@ -198,7 +193,7 @@ void gp_progress_update(struct gp_progress *p, int done, int total,
     p->total = total;
     p->stage = stage;
     snprintf(p->name, sizeof p->name, "%s", slash ? slash + 1 : name);
-    if (is_for_programs(p))
+    if (p->when >= GP_PROGRESS_PERCENT)
         print_news(p, now, false);
     else if (!p->terminal && now - p->last_ms >= PIPE_MS)
         draw_line(p, now);
@@ -215,7 +210,7 @@ void gp_progress_fail(struct gp_progress *p, int n)
 void gp_progress_end(struct gp_progress *p)
 {
     pthread_mutex_lock(&p->lock);
-    if (p->file && is_for_programs(p)) {
+    if (p->file && p->when >= GP_PROGRESS_PERCENT) {
         p->done = p->total;
         print_news(p, gp_now_ms(), true);
     }
