@@ -66,7 +66,6 @@ static gp_status make_plan(const struct bench *b,
     return (gp_status) glarepp_plan(b->req->gp, &p, out);
 }
 
-/* Returns a view of a frame's planes. */
 /* Runs sensors and glare; *out is the frame after them. */
 static gp_status run_once(struct trial *t, const struct gp_frame *f,
                           struct run *r, struct glarepp_frame **out)
@@ -326,7 +325,6 @@ static gp_status plan_extra(const struct bench *b, const struct extra *e,
 {
     struct glarepp_plan_params p = *b->req->plan;
     struct glarepp_layer_params layer = *p.layer;
-    struct glarepp_light_params flare = *p.lights;
     struct glarepp_lens_params lens = GLAREPP_LENS_PARAMS;
     if (p.lens)
         lens = *p.lens;
@@ -338,7 +336,7 @@ static gp_status plan_extra(const struct bench *b, const struct extra *e,
     }
     p.kernel = b->kernel;
     p.layer = &layer;
-    p.lights = e->step == GLAREPP_FLARE ? &flare : NULL;
+    p.lights = e->step == GLAREPP_FLARE ? p.lights : NULL;
     p.lens = e->step == GLAREPP_LENS ? &lens : NULL;
     p.scene = NULL;
     return (gp_status) glarepp_plan(b->req->gp, &p, out);
@@ -581,9 +579,8 @@ gp_status gp_bench_run(const struct gp_log *log,
         struct gp_bench_frame *const out = &table.frame[table.frames++];
         GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, &f)
                      : gp_read_frame(log, req->read, req->input, &f));
-        b.params = (struct glarepp_frame_params) GLAREPP_FRAME_PARAMS;
-        if (!paper)
-            GP_TRY(req->describe(req->user, log, &f, &b.params));
+        b.params = paper ? (struct glarepp_frame_params) GLAREPP_FRAME_PARAMS
+                         : req->describe(req->user, &f);
         out->input = gp_strdup(f.path);
         out->kernel = gp_strdup(own ? "streaks" : req->kernel_name);
         out->paper = paper ? &gp_paper_rates[i] : NULL;

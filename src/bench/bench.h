@@ -28,12 +28,11 @@ struct gp_bench_request {
     const struct glarepp_kernel_params *kernel;
     const struct glarepp_plan_params *plan; // of the main job, but for its
                                // kernel; sense, layer, lights and tone are there
-    /* Fills in what the file of a frame says of it, and gives a frame with lights
+    /* Returns what the file of a frame says of it; gives a frame with lights
      * its planes. */
     void *user;
-    gp_status (*describe)(void *user, const struct gp_log *log,
-                          const struct gp_frame *f,
-                          struct glarepp_frame_params *out);
+    struct glarepp_frame_params (*describe)(void *user,
+                                            const struct gp_frame *f);
     gp_status (*planes)(void *user, const struct gp_log *log,
                         const struct gp_frame *f, struct glarepp_frame *to);
 };

@@ -18,11 +18,11 @@ GP_MUST_CHECK gp_status gp_pipeline_run(
     const struct gp_log *log, struct glarepp *gp, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress);
 
-/* A command. *differs is true, and the exit status 1, where kernel --check finds
- * a fault, lens --check finds a lens that does not make what its file claims, or
- * a row of sets draws another picture than the first. */
+/* A command. *status, 0 before, becomes the exit status: 1 where kernel --check
+ * finds a fault, lens --check finds a lens that does not make what its file
+ * claims, or a row of sets draws another picture than the first. */
 typedef gp_status gp_command_run(const struct gp_log *log, struct glarepp *gp,
-                                 const struct gp_settings *s, bool *differs);
+                                 const struct gp_settings *s, int *status);
 gp_command_run gp_bench_command;  // measures every technique on one frame
 gp_command_run gp_kernel_command; // writes, lists and checks kernels
 gp_command_run gp_lens_command;   // lists, checks and draws lenses
@@ -43,11 +43,9 @@ enum {
 /* glarepp compare: compares the two inputs, part by part with --all, and frame
  * by frame where one of them is a pattern. Prints idiff's lines and more to
  * stdout, or JSON in their place, and writes the pictures. With --quiet it
- * prints only FAILURE, to stderr as idiff -q does. Returns the program's exit
- * status: the worst of all pairs (a frame that cannot be read is a file error,
- * and the next frame is compared); GP_COMPARE_USAGE; GP_ERR_BUG when memory is
- * full. */
-int gp_compare_command(const struct gp_log *log, struct glarepp *gp,
-                       const struct gp_settings *s);
+ * prints only FAILURE, to stderr as idiff -q does. Returns GP_OK; *status is the
+ * worst of all pairs (a frame that cannot be read is a file error, and the next
+ * frame is compared); GP_COMPARE_USAGE; GP_ERR_BUG: memory is full. */
+gp_command_run gp_compare_command;
 
 #endif

@@ -625,8 +625,8 @@ out:
     return st;
 }
 
-int gp_compare_command(const struct gp_log *log, struct glarepp *gp,
-                       const struct gp_settings *s)
+gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
+                             const struct gp_settings *s, int *status)
 {
     struct run r = {
         .log = log, .gp = gp, .s = s, .write = s->output.write,
@@ -661,7 +661,8 @@ out:
     free(text);
     free(command);
     gp_frames_free(&r.frames);
-    return st == GP_OK          ? r.worst
-           : st == GP_ERR_USAGE ? GP_COMPARE_USAGE
-           : st == GP_ERR_BUG   ? (int) st : GP_COMPARE_FILE;
+    *status = st == GP_OK          ? r.worst
+              : st == GP_ERR_USAGE ? GP_COMPARE_USAGE
+              : st == GP_ERR_BUG   ? (int) st : GP_COMPARE_FILE;
+    return GP_OK;
 }

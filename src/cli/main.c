@@ -139,10 +139,9 @@ static gp_status open_library(struct gp_listener *user, struct glarepp **out)
     return (gp_status) st;
 }
 
-/* Runs a command; *status is that of compare, *differs as commands say. */
 static gp_status run_command(const struct gp_log *log, struct glarepp *gp,
                              struct voice *voice, const struct gp_settings *s,
-                             int *status, bool *differs)
+                             int *status)
 {
     if (s->words.help || s->words.help_table || s->words.version ||
         s->words.list_flares || s->command == GP_COMMAND_HELP)
@@ -150,16 +149,14 @@ static gp_status run_command(const struct gp_log *log, struct glarepp *gp,
     gp_environment_set_gl(gp_threads()); // while there is one thread
     if (s->command == GP_COMMAND_MAIN)
         return make_frames(log, gp, voice, s);
-    if (s->command == GP_COMMAND_COMPARE) {
-        *status = gp_compare_command(log, gp, s);
-        return GP_OK;
-    }
     gp_command_run *const run =
-        s->command == GP_COMMAND_BENCH    ? gp_bench_command
-        : s->command == GP_COMMAND_KERNEL ? gp_kernel_command
-        : s->command == GP_COMMAND_LENS   ? gp_lens_command
-        : s->command == GP_COMMAND_SETS   ? gp_sets_command : gp_styles_command;
-    return run(log, gp, s, differs);
+        s->command == GP_COMMAND_BENCH     ? gp_bench_command
+        : s->command == GP_COMMAND_COMPARE ? gp_compare_command
+        : s->command == GP_COMMAND_KERNEL  ? gp_kernel_command
+        : s->command == GP_COMMAND_LENS    ? gp_lens_command
+        : s->command == GP_COMMAND_STYLES  ? gp_styles_command
+                                           : gp_sets_command;
+    return run(log, gp, s, status);
 }
 
 int main(int argc, char *argv[])
@@ -168,7 +165,6 @@ int main(int argc, char *argv[])
     struct glarepp *gp = NULL;
     char *wisdom = NULL;
     int status = 0;
-    bool differs = false; // from a claim, or rows of a table
     struct voice voice = {NULL, NULL};
     struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
     struct gp_listener user = {&log, &s};
@@ -192,11 +188,11 @@ int main(int argc, char *argv[])
     if (!st)
         st = open_library(&user, &gp);
     if (!st)
-        st = run_command(&log, gp, &voice, &s, &status, &differs);
+        st = run_command(&log, gp, &voice, &s, &status);
     if (s.command == GP_COMMAND_COMPARE && st == GP_ERR_USAGE)
         status = GP_COMPARE_USAGE;
-    else if (st || differs)
-        status = st ? (int) st : 1;
+    else if (st)
+        status = (int) st;
     if (gp)
         glarepp_leave(gp);
     glarepp_close(&gp);

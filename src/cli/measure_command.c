@@ -106,7 +106,7 @@ static gp_status save_json(const struct gp_log *log,
 // -- sets: the command --------------------------------------------------------
 
 gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
-                          const struct gp_settings *s, bool *differ)
+                          const struct gp_settings *s, int *status)
 {
     struct glarepp_sets_params p = s->sets;
     struct glarepp_sets sets = {.own = NULL};
@@ -128,7 +128,7 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     GP_TRY(gp_output_guard_check(log, s, "scene", p.path));
     GP_TRY(glarepp_sets(gp, &p, &sets));
     for (int i = 0; i < ROWS; i++)
-        *differ = *differ || !sets.row[i].same;
+        *status |= !sets.row[i].same;
     if (!s->bench.json || strcmp(s->bench.json, "-") != 0)
         print_table(s, &sets);
     if (s->bench.json)
@@ -161,14 +161,10 @@ static void free_planes(struct user *u)
     u->state = (struct gp_frame_state) {0};
 }
 
-static gp_status describe(void *user, const struct gp_log *log,
-                          const struct gp_frame *f,
-                          struct glarepp_frame_params *out)
+static struct glarepp_frame_params describe(void *user,
+                                            const struct gp_frame *f)
 {
-    const struct user *const u = user;
-    (void) log;
-    *out = gp_frame_params_of(&u->job, f);
-    return GP_OK;
+    return gp_frame_params_of(&((struct user *) user)->job, f);
 }
 
 /* Gives a frame depth and coverage; they stay until it is asked again. */
@@ -185,7 +181,7 @@ static gp_status give_planes(void *user, const struct gp_log *log,
 }
 
 gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
-                           const struct gp_settings *s, bool *differs)
+                           const struct gp_settings *s, int *status)
 {
     char *const input = s->input.files.n ? (char *) (uintptr_t)
                                                s->input.files.at[0] : NULL;
@@ -197,7 +193,7 @@ gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
         .read = &s->input.read, .kernel = &s->kernel.p, .plan = &s->plan,
         .user = &user, .describe = describe, .planes = give_planes,
     };
-    (void) differs;
+    (void) status;
     gp_status st = gp_output_guard_check(log, s, "input", input);
     if (!st)
         st = gp_bench_run(log, &req);

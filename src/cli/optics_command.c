@@ -255,7 +255,7 @@ static void print_figures(const struct glarepp_kernel_figures *f, bool labelled)
 
 /* Prints figures and faults, for a source of 1000 where no frame is given. */
 static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
-                              const struct gp_settings *s, bool *faulty)
+                              const struct gp_settings *s, int *status)
 {
     const char *const name = s->making.check;
     struct glarepp_kernel_use use = {
@@ -280,7 +280,7 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
     for (int i = 0; i < figures.faults; i++)
         printf("fault: %s%s\n", figures.fault[i],
                gp_hint(figures.parameter[i], figures.fault[i]));
-    *faulty = figures.faults > 0;
+    *status = figures.faults > 0;
     st = gp_flush_stdout(log);
 out:
     gp_frame_free(&f);
@@ -288,10 +288,10 @@ out:
 }
 
 gp_status gp_kernel_command(const struct gp_log *log, struct glarepp *gp,
-                            const struct gp_settings *s, bool *faulty)
+                            const struct gp_settings *s, int *status)
 {
     return s->making.list    ? list_models(log)
-           : s->making.check ? check_kernel(log, gp, s, faulty)
+           : s->making.check ? check_kernel(log, gp, s, status)
                              : write_kernel(log, gp, s);
 }
 
@@ -383,7 +383,7 @@ static gp_status draw_lens(const struct gp_log *log, const char *path,
 }
 
 static gp_status check_lens(const struct gp_log *log, struct glarepp *gp,
-                            const struct gp_settings *s, bool *faulty)
+                            const struct gp_settings *s, int *status)
 {
     struct glarepp_lens lens = {.own = NULL};
     const char *const draw = s->making.draw;
@@ -422,7 +422,7 @@ static gp_status check_lens(const struct gp_log *log, struct glarepp *gp,
     if (fault)
         printf("fault: the surfaces do not make what the file claims; compare "
                "it with its source\n");
-    *faulty = fault;
+    *status = fault;
     if (draw)
         GP_TRY(draw_lens(log, draw, &lens));
     st = gp_flush_stdout(log);
@@ -432,8 +432,8 @@ out:
 }
 
 gp_status gp_lens_command(const struct gp_log *log, struct glarepp *gp,
-                          const struct gp_settings *s, bool *faulty)
+                          const struct gp_settings *s, int *status)
 {
     return s->making.list ? list_lenses(log, gp)
-                          : check_lens(log, gp, s, faulty);
+                          : check_lens(log, gp, s, status);
 }

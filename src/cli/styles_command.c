@@ -212,12 +212,12 @@ static gp_status write_sheet(const struct gp_log *log,
 }
 
 gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
-                            const struct gp_settings *s, bool *differs)
+                            const struct gp_settings *s, int *status)
 {
     struct sheet sheet = {.columns = 3, .tiles = 1};
     const struct gp_style *style = gp_styles;
     gp_status st;
-    (void) differs;
+    (void) status;
     if (!s->input.files.n) {
         for (; style->name; style++)
             printf("%-10s  %s%s\n", style->name, style->text,
