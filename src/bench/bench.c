@@ -43,8 +43,7 @@ struct run {
     long long sources;
 };
 
-/* Makes a plan of the job with another engine's settings; edges are black, as the
- * table is about the kernel's sum. */
+/* A plan by a technique; edges are black: the table is of a kernel's sum. */
 static gp_status make_plan(const struct bench *b,
                            const struct gp_bench_technique *t,
                            struct glarepp_plan **out)

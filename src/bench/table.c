@@ -450,8 +450,7 @@ static void write_panel(const struct gp_bench_frame *f, FILE *to)
                 at[i].row->pareto ? "" : " fill='#666'", at[i].row->name);
 }
 
-/* Milliseconds against rel_l2, a picture below the other for each frame. No text
- * of the user's is in it. */
+/* Milliseconds against rel_l2, a picture a frame; no text of the user's. */
 static gp_status save_plot(const struct gp_log *log,
                            const struct gp_bench_table *t, const char *path)
 {

@@ -121,8 +121,7 @@ static const char *first_in_need(const struct gp_settings *s, unsigned bit)
            : s->output.debug[GP_DEBUG_INTENSITY] ? "debug intensity" : NULL;
 }
 
-/* Reports the first option with a need that is not met as an error, or with
- * `warns` each option that does nothing as a warning. */
+/* Fails for the first need that is not met; `warns`: warns of what is idle. */
 static gp_status check_needs(const struct gp_log *log,
                              const struct gp_settings *s, bool warns)
 {
@@ -186,8 +185,7 @@ static gp_status check_kernel_size(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Checks that each kernel is a recipe or may be a file, and that options of
- * images have one. */
+/* Checks that kernels are there, and that options of images have one. */
 static gp_status check_kernels(const struct gp_log *log,
                                const struct gp_settings *s)
 {
@@ -459,8 +457,7 @@ static gp_status find_config(const struct gp_log *log, const char **config)
                          "or give another config, e.g. --ocio config.ocio");
 }
 
-/* Fills in what the library gets: parameters that are lists, or follow from
- * several options. */
+/* Fills in the library's lists, and what follows from several options. */
 static void set_params(struct gp_settings *s)
 {
     const bool given = gp_option_given(s, "kernel-normalize");

@@ -554,8 +554,7 @@ out:
     return st;
 }
 
-/* Finds the files and frames of the run, and checks the names of its outputs
- * before any work. */
+/* Finds files and frames, and checks the names of outputs before any work. */
 static gp_status find_frames(struct run *r)
 {
     const char *const *const input = r->s->input.files.at;

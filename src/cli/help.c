@@ -88,9 +88,8 @@ static void print_option(FILE *f, const struct gp_option *o)
     gp_help_text(f, column, text);
 }
 
-/* Prints the heading of a group, its example, and those of its options that one
- * of the commands (bits) takes; nothing, and returns false, when there are
- * none. */
+/* Prints a group's options that some of the commands (bits) take, under its
+ * heading and example; returns false when there are none. */
 static bool print_group(FILE *f, int group, unsigned commands)
 {
     const struct gp_option_heading *const head = &gp_option_groups[group];
@@ -140,8 +139,7 @@ void gp_help(FILE *f, enum gp_command command)
 
 // -- topics ------------------------------------------------------------------
 
-/* Sections of the man page that are topics: their words and heading. Check-man
- * compares them with the page. */
+/* Sections of the man page that are topics; check-man compares them. */
 static const struct section {
     const char *word, *more, *title; // the word is "" beside a group's
 } sections[] = {
@@ -172,8 +170,7 @@ struct topic {
     unsigned commands;       // that take options of the group
 };
 
-/* True when one of the words is the topic, ignoring case and an "s" at the end
- * of either. */
+/* True when the topic is one of the words, but for case and a last "s". */
 static bool is_topic(const char *topic, const char *words)
 {
     size_t m = strlen(topic);
@@ -302,8 +299,7 @@ static enum match match_of(const struct gp_option *o, const char *topic)
     return NOT;
 }
 
-/* Prints the options that match so, each with its values; returns their
- * number. */
+/* Prints options that match so, with their values; returns their number. */
 static int print_options_of(FILE *f, const char *topic, enum match match)
 {
     int found = 0;

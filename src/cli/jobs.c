@@ -51,8 +51,7 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
     return st;
 }
 
-/* Lists the frames of a pattern: those of --frames, else those on disk; with
- * views in the pattern, the frames of any view. */
+/* Lists frames of a pattern by --frames, else on disk; those of any view. */
 static gp_status list_frames(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_pattern *p,
     const struct gp_views *view, struct gp_frames *all)
@@ -240,8 +239,7 @@ static gp_status find_views(const struct gp_log *log,
 }
 
 /* Finds the views inside the first input, if an output has a place for several,
- * replaces each job by one for each view, and warns in one line of the
- * choice. */
+ * makes a job of each, and warns in one line of the choice. */
 static gp_status add_views(const struct gp_log *log,
     const struct gp_settings *s, struct gp_jobs *j)
 {
@@ -381,8 +379,7 @@ static gp_status check_patterns(const struct gp_log *log,
     return st;
 }
 
-/* Checks that the frames of --frames, and all views of a frame, exist where
- * they are needed, before any is made. */
+/* Checks that frames of --frames, and all views of a frame, are there. */
 static gp_status check_missing(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_jobs *j)
 {
@@ -500,8 +497,7 @@ out:
 
 // -- all jobs ----------------------------------------------------------------
 
-/* Marks the outputs that hold all views of a frame, and those that hold only
- * the first. */
+/* Marks the outputs of all views of a frame, and those of only the first. */
 static void mark_outputs(struct gp_jobs *j)
 {
     for (int i = 0; i < j->targets; i++) {

@@ -50,8 +50,7 @@ static size_t least_upwards(const char *mount, const char *group,
     }
 }
 
-/* Returns the least limit of this process's control groups, `most` where there
- * is none below. */
+/* Returns the least limit of this process's control groups, at most `most`. */
 static size_t group_limit(const char *root, size_t most)
 {
     char path[NAME], mount[NAME];

@@ -22,8 +22,7 @@ struct voice {
                        // and are about no frame; NULL: not known yet
 };
 
-/* Prints a message as one line on stderr, not in the middle of the progress
- * line. */
+/* Prints a line on stderr, not in the middle of the progress line. */
 static void print_line(void *user, const struct gp_line *line)
 {
     const struct voice *const voice = user;

@@ -317,8 +317,7 @@ static gp_status list_lenses(const struct gp_log *log, struct glarepp *gp)
 
 // -- lens --check -------------------------------------------------------------
 
-/* Prints a figure beside its claim; returns true where they differ by more
- * than `most` of it. */
+/* Prints a figure beside its claim; true where they differ by over `most`. */
 static bool print_claim(const char *what, const char *unit, double computed,
                         double claimed, double most)
 {

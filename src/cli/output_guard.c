@@ -23,8 +23,7 @@ struct output {
     const char *as, *of;  // as given
 };
 
-/* Returns the one file that an option writes, or reads; NULL when there is none.
- * (Files of a pattern are added by the caller.) */
+/* Returns the file of a plain name that an option writes, or reads; or NULL. */
 static const char *file_of(const struct gp_settings *s,
                            const struct gp_option *o, bool written)
 {

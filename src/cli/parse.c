@@ -127,9 +127,8 @@ static gp_status set_list(const struct use *u, void *field)
     return GP_OK;
 }
 
-/* Fails with the nearest value, else with all of them. With `file`, for a value
- * that no file has as its name, fails only when one is near, such as
- * builtin:star to "star". */
+/* Fails with the nearest value, else with all; with `file`, for a word that may
+ * be a file's name, only when one is near, as builtin:star is to "star". */
 static gp_status unknown_value(const struct use *u, bool file)
 {
     const char *text, *name;
@@ -161,8 +160,7 @@ static gp_status unknown_value(const struct use *u, bool file)
                    u->option->name, u->value, line);
 }
 
-/* Sets one of the option's choices, or the file of GP_KIND_NAMED's
- * "CHOICE=FILE". */
+/* Sets one of the option's choices, or the file of "CHOICE=FILE". */
 static gp_status set_choice(const struct use *u, void *field)
 {
     const bool named = u->option->kind == GP_KIND_NAMED;

@@ -129,8 +129,7 @@ static size_t frame_bytes(const struct pipeline *p,
     return bytes;
 }
 
-/* Runs a stage of a frame, and counts its time: of engines within it as
- * glare. */
+/* Runs a stage, and counts its time: of engines within it as glare. */
 static gp_status run_stage(struct pipeline *p, const struct gp_stage *stage,
                            struct gp_frame_state *fs)
 {
@@ -234,8 +233,7 @@ static bool can_skip(const struct pipeline *p, const struct unit *u,
            (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
-/* Ends the unit that is next: reports it. Any other return than GP_OK ends the
- * run. */
+/* Reports the unit that is next; an error ends the run. */
 static gp_status end_unit(struct pipeline *p, struct unit *u)
 {
     const gp_status st = u->st;

@@ -248,8 +248,7 @@ static bool append(char **text, size_t *used, const char *more, size_t bytes)
     return true;
 }
 
-/* Prints a message of the unit that is ended next, and keeps others, which it
- * prints too when memory is full. */
+/* Prints a message of the oldest unit, or when memory is full; keeps others. */
 static void log_message(void *user, const struct gp_line *message)
 {
     struct gp_frame_log *const l = user;
@@ -296,8 +295,7 @@ void gp_frame_log_close(struct gp_frame_log *l)
 
 // -- frames that failed ------------------------------------------------------
 
-/* Returns the first job of the next `n` of which one failed, from `i` on, a
- * multiple of n; j->n when there is none. */
+/* Returns the first job, from `i` in steps of n, whose n have a failed one. */
 static int next_failed(const struct gp_jobs *j, int i, int n)
 {
     for (; i < j->n; i += n) {

@@ -577,8 +577,7 @@ static gp_status write_failed(const struct gp_log *log,
                    strerror(errno));
 }
 
-/* Truncates a regular file to `size`; leaves other kinds as they are, and those
- * of descriptors that were open before. */
+/* Truncates a regular file that this run opened; leaves others as they are. */
 static bool cut_file(const struct gp_report *r, long size)
 {
     struct stat s;

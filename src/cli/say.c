@@ -44,8 +44,7 @@ static struct number percent_text(double part, double whole)
 
 // -- parts of lines ----------------------------------------------------------
 
-/* Adds which part of a frame's light went where. `lit` is false where only the
- * layer is written. */
+/* Adds where a frame's light went; not `lit`: only the layer is written. */
 static void add_light(FILE *w, const struct gp_settings *s, bool lit,
                       const struct glarepp_sense_facts *spread)
 {
@@ -68,8 +67,7 @@ static void add_light(FILE *w, const struct gp_settings *s, bool lit,
                 moves ? "" : " of the light");
 }
 
-/* Adds the tone curve or the view of OpenColorIO by which a picture was made,
- * in words where they are wanted. */
+/* Adds the tone curve or OpenColorIO's view of a picture. */
 static void add_tones(FILE *w, const struct gp_settings *s,
                       const struct glarepp_plan_facts *ocio, bool in_words)
 {
@@ -82,8 +80,7 @@ static void add_tones(FILE *w, const struct gp_settings *s,
         fprintf(w, "%s%s", in_words ? "tone-mapped by " : "", s->tone.map.curve);
 }
 
-/* True for a tone-mapped picture in a format whose light is linear where other
- * programs write it. */
+/* True for a tone-mapped picture in a format that others write linear. */
 static bool looks_linear(const struct gp_settings *s, const char *path)
 {
     char ending[16];

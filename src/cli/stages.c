@@ -91,8 +91,7 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     return st;
 }
 
-/* Grows the frame and the layers of its light groups to the window of the
- * outputs. */
+/* Grows the frame and its light groups to the window of the outputs. */
 static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_log *const log = fs->log;
@@ -193,8 +192,7 @@ out:
 
 // -- planes beside the colour: depth, coverage, normals, albedo ---------------
 
-/* Reads a plane from a file of its own, whose name may be a pattern, or without
- * a path from the frame's. */
+/* Reads a plane from a file, maybe of a pattern, or from the frame's (NULL). */
 static gp_status read_beside(const struct gp_settings *s,
     const struct gp_frame_state *fs, const char *path, const char *channel,
     bool depth, struct gp_plane *out)
@@ -220,8 +218,7 @@ static gp_status read_depth(const struct gp_run *r, struct gp_frame_state *fs)
                                      true, &fs->depth);
 }
 
-/* Gives `n` planes to the library, if they are there.
- *   file  of its own that they are from, or NULL */
+/* Gives `n` planes to the library, if they are there; `file` is theirs. */
 static gp_status give(struct gp_frame_state *fs, enum glarepp_view view,
                       const struct gp_plane *plane, int n, const char *file)
 {
@@ -305,8 +302,7 @@ static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
     return st ? st : (gp_status) glarepp_frame_run(fs->frame, GLAREPP_SHARES);
 }
 
-/* Makes the pictures of the shares, which need the lights, and says how near
- * the shares are. */
+/* Makes pictures of shares from the lights, and says how near they are. */
 static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
 {
     static const char *const edges[2][2] = { // with coverage, with depth

@@ -81,8 +81,7 @@ static void draw_caption(struct sheet *s, int left, int top,
     }
 }
 
-/* Sets pixel `at` to the mean of the samples of f's data window in a rectangle,
- * in pixels from the window's corner. */
+/* Sets pixel `at` to the mean of a rectangle, from the data window's corner. */
 static void set_mean(const struct gp_frame *f, const struct gp_planes *p,
                      const double from[2], const double size[2],
                      struct gp_planes *out, size_t at)
@@ -151,8 +150,7 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
     return GP_OK;
 }
 
-/* Runs the main job with `last`, an option and its value as one word, after the
- * options that were given. */
+/* Runs the main job with `last`, "--option=value", after what was given. */
 static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
     const struct gp_settings *s, char *last, struct sheet *sheet)
 {
