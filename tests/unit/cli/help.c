@@ -18,7 +18,8 @@ static void the_table_is_sound(void **state)
         assert_true(o->choices || (o->kind != GP_KIND_CHOICE &&
                                    o->kind != GP_KIND_EITHER &&
                                    o->kind != GP_KIND_NAMED));
-        assert_true(o->help[strlen(o->help) - 1] != '.' && o->commands != 0);
+        assert_true(o->commands != 0 &&
+                    (!o->help || o->help[strlen(o->help) - 1] != '.'));
         assert_true((o->group == GP_GROUP_BENCH) ==
                     (o->commands == GP_COMMAND_BENCH));
         if (o->choices || o->list)

@@ -102,7 +102,7 @@ static void every_option_is_stored(void **state)
         const char *name, *text;
         char value[64] = "7";
         const double v = o->hi < (double) FLT_MAX ? o->hi : 2.5;
-        if (o->hidden)
+        if (!o->help)
             continue;
         if (o->kind == GP_KIND_FLAG || o->kind == GP_KIND_SET)
             value[0] = '\0';
