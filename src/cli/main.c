@@ -82,8 +82,8 @@ static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
     struct gp_progress progress;
     gp_status st = gp_jobs_make(log, s, &jobs);
     if (!st) {
-        gp_progress_open(&progress, stderr, s->run.progress,
-                         s->run.level == GP_LEVEL_ERROR);
+        gp_progress_open(&progress, stderr, s->run.level == GP_LEVEL_ERROR
+                             ? GP_PROGRESS_NEVER : s->run.progress);
         voice->progress = &progress;
         st = gp_pipeline_run(log, gp, s, &jobs, &progress);
         voice->progress = NULL;

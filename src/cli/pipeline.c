@@ -37,8 +37,6 @@ struct unit {
 struct pipeline {
     const struct gp_log *log;
     struct glarepp *gp;              // threads enter it; the caller is in it
-    const struct gp_settings *s;
-    const struct gp_jobs *jobs;
     struct gp_progress *progress;
     bool on[GP_STAGES];              // the stage runs
     unsigned dead[GP_STAGES];        // data that no later stage needs
@@ -119,10 +117,10 @@ static size_t frame_bytes(const struct pipeline *p,
 {
     enum { USUAL = 49, VERIFY = 57, LENS = 65 }; // bytes of a pixel
     const size_t pixels = gp_frame_pixels(&fs->file);
-    const size_t pixel = p->s->lens.lens      ? LENS
-                         : p->s->run.verify ? VERIFY : USUAL;
+    const size_t pixel = p->run.s->lens.lens      ? LENS
+                         : p->run.s->run.verify ? VERIFY : USUAL;
     const size_t group =
-        (p->s->output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
+        (p->run.s->output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
     size_t bytes = pixels * pixel + carried_bytes(&fs->file);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i]);
@@ -169,8 +167,8 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
         // skipped frames count neither as done nor in the total
         const int kept = atomic_load(&p->kept);
         gp_progress_update(p->progress,
-                           atomic_load(&p->head) * p->jobs->views - kept,
-                           p->jobs->n - kept, fs->job->input, stage->name);
+                           atomic_load(&p->head) * p->run.jobs->views - kept,
+                           p->run.jobs->n - kept, fs->job->input, stage->name);
         st = run_stage(p, stage, fs);
         if (!st)
             gp_frame_state_release(fs, p->dead[i]);
@@ -183,14 +181,15 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
 static gp_status run_phase(struct pipeline *p, int unit, enum gp_phase phase)
 {
     struct unit *const u = &p->unit[unit % p->slots];
-    const int views = p->jobs->views, first = unit * views;
-    const struct gp_job *const job = &p->jobs->job[first];
+    const int views = p->run.jobs->views, first = unit * views;
+    const struct gp_job *const job = &p->run.jobs->job[first];
     gp_status st = GP_OK;
     if (phase == GP_PHASE_READ) {
         gp_frame_log_open(&u->log, p->log, &p->head, unit, job->input);
         u->kept = true;
         for (int v = 0; v < views && u->kept; v++)
-            u->kept = gp_job_complete(&p->s->output.write, p->jobs, &job[v]);
+            u->kept = gp_job_complete(&p->run.s->output.write, p->run.jobs,
+                                      &job[v]);
         if (u->kept)
             atomic_fetch_add(&p->kept, views);
         for (u->begun = 0; u->begun < views && !u->kept && !st; u->begun++)
@@ -229,7 +228,7 @@ static bool can_skip(const struct pipeline *p, const struct unit *u,
         if (writing && gp_is_dash(writing))
             return false;
     }
-    return p->s->input.skip_bad_frames &&
+    return p->run.s->input.skip_bad_frames &&
            (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
@@ -238,11 +237,11 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
 {
     const gp_status st = u->st;
     const bool skipped = st && can_skip(p, u, st);
-    const int first = atomic_load(&p->head) * p->jobs->views;
+    const int first = atomic_load(&p->head) * p->run.jobs->views;
     gp_status reported = GP_OK;
     gp_frame_log_flush(&u->log);
     if (skipped)
-        gp_progress_fail(p->progress, p->jobs->views);
+        gp_progress_fail(p->progress, p->run.jobs->views);
     for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
         struct gp_frame_report *const facts = &u->view[v].facts;
         facts->job.warned = u->log.warned;
@@ -258,10 +257,10 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
             gp_tally_add(&p->tally, facts);
         }
         if (st)
-            p->jobs->job[first + v].failed = true;
+            p->run.jobs->job[first + v].failed = true;
         else if (p->log->level >= GP_LEVEL_INFO)
             gp_say_frame(p->log, facts);
-        if (p->s->run.report)
+        if (p->run.s->run.report)
             reported = gp_report_frame(p->log, p->run.report, facts);
     }
     free_unit(u);
@@ -282,7 +281,7 @@ enum { SHARED = 2 };
  * so far. The first is read by itself, as nothing is known before. */
 static bool has_room(const struct pipeline *p, int in_flight)
 {
-    return in_flight == 0 || p->s->run.frame_jobs || p->memory == 0 ||
+    return in_flight == 0 || p->run.s->run.frame_jobs || p->memory == 0 ||
            (p->largest > 0 && p->largest < p->memory / 2 /
                                   (size_t) (in_flight + 1 + SHARED));
 }
@@ -441,7 +440,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     const int most = s->run.frame_jobs ? s->run.frame_jobs
                      : gp_threads() > 1 ? FLIGHT : 1;
     struct pipeline p = {
-        .log = log, .gp = gp, .s = s, .jobs = jobs, .progress = progress,
+        .log = log, .gp = gp, .progress = progress,
         .run = {.s = s, .jobs = jobs,
                 .report = jobs->taker ? jobs->taker->report : &own,
                 .details = person || s->run.level >= GP_LEVEL_INFO ||

@@ -140,12 +140,12 @@ static void *tick(void *arg)
 }
 
 void gp_progress_open(struct gp_progress *p, FILE *file,
-                      enum gp_progress_when when, bool quiet)
+                      enum gp_progress_when when)
 {
     const bool programs = when >= GP_PROGRESS_PERCENT;
     const bool terminal = !programs && isatty(fileno(file));
-    const bool draws = !quiet && (when == GP_PROGRESS_ALWAYS || programs ||
-                                  (when == GP_PROGRESS_AUTO && terminal));
+    const bool draws = when == GP_PROGRESS_ALWAYS || programs ||
+                       (when == GP_PROGRESS_AUTO && terminal);
     *p = (struct gp_progress) {
         .file = draws ? file : NULL,
         .when = when,

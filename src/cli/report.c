@@ -142,11 +142,10 @@ json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
     case GP_KIND_FLAG:
         return json_boolean(*(const bool *) at);
     case GP_KIND_FLOAT: // 0.001 as written, not its nearest float
-        snprintf(text, sizeof text, "%.7g", (double) *(const float *) at);
-        return json_real(strtod(text, NULL)); // NULL when it is not finite
     case GP_KIND_REAL:
-        snprintf(text, sizeof text, "%.7g", *(const double *) at);
-        return json_real(strtod(text, NULL));
+        snprintf(text, sizeof text, "%.7g", o->kind == GP_KIND_REAL
+                     ? *(const double *) at : (double) *(const float *) at);
+        return json_real(strtod(text, NULL)); // NULL when it is not finite
     case GP_KIND_THRESHOLD: // "99.9%" and "+3ev" too
         snprintf(text, sizeof text, s->light.sense.unit == GLAREPP_EV
                      ? "%+.7gev" : s->light.sense.unit == GLAREPP_PERCENTILE

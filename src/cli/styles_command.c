@@ -179,7 +179,7 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
                        "%d); give one file, and one view of it",
                        s->input.files.at[0], jobs.n));
     jobs.taker = &taker;
-    gp_progress_open(&none, stderr, GP_PROGRESS_NEVER, true);
+    gp_progress_open(&none, stderr, GP_PROGRESS_NEVER);
     st = gp_pipeline_run(log, gp, &one, &jobs, &none);
     gp_progress_close(&none);
 out:

@@ -141,7 +141,7 @@ static const char *drawn(enum gp_progress_when when, bool quiet, int done,
     static char line[128];
     FILE *const f = tmpfile();
     struct gp_progress p;
-    gp_progress_open(&p, f, when, quiet);
+    gp_progress_open(&p, f, quiet ? GP_PROGRESS_NEVER : when);
     p.start_ms = gp_now_ms() - ms;
     gp_progress_update(&p, done, total, name, "read");
     gp_progress_close(&p);
