@@ -162,7 +162,8 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
     fs->facts.cost.has_cpu = p->slots == 1; // CPU time is the process's
     for (int i = 0; i < GP_STAGES && !st; i++) {
         const struct gp_stage *const stage = &gp_stages[i];
-        if (!p->on[i] || stage->phase != phase)
+        if (!p->on[i] || phase != (i == 0 ? GP_PHASE_READ : i < GP_STAGES - 1
+                                       ? GP_PHASE_COMPUTE : GP_PHASE_WRITE))
             continue;
         // skipped frames count neither as done nor in the total
         const int kept = atomic_load(&p->kept);

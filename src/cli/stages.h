@@ -6,8 +6,8 @@
 #include "cli/report.h"
 #include "io/plane.h"
 
-/* COMPUTE runs on one thread, frame after frame; the others on any thread,
- * frames in any order. */
+/* The first stage reads, the last writes: on any thread, frames in any order.
+ * COMPUTE runs on one thread, frame after frame. */
 enum gp_phase { GP_PHASE_READ, GP_PHASE_COMPUTE, GP_PHASE_WRITE };
 
 /* Data that stages need and give, as bits: planes of the library's frame, then
@@ -80,7 +80,6 @@ GP_MUST_CHECK gp_status gp_run_occluders(const struct gp_run *r,
  * stage also needs what the targets need. */
 struct gp_stage {
     const char *name;
-    enum gp_phase phase;
     int time;
     unsigned needs, gives;
     enum glarepp_step step;
