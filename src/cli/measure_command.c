@@ -78,13 +78,11 @@ static json_t *light_json(const struct glarepp_sets *sets, int i)
 {
     const struct glarepp_rect r = sets->scissor[i];
     const bool off = r.x0 >= r.x1 || r.y0 >= r.y1;
-    json_t *const o = json_pack("{so}", "name", gp_json_name(sets->light[i]));
-    json_object_set_new(o, "scissor", off ? json_null() : json_pack(
-        "[iiii]", r.x0, r.y0, r.x1, r.y1));
-    if (!off)
-        json_object_set_new(o, "depth", json_pack("[ff]", sets->depth[i][0],
-                                                  sets->depth[i][1]));
-    return o;
+    return json_pack("{so so so*}", "name", gp_json_name(sets->light[i]),
+        "scissor", off ? json_null() : json_pack("[iiii]", r.x0, r.y0, r.x1,
+                                                 r.y1),
+        "depth", off ? NULL : json_pack("[ff]", sets->depth[i][0],
+                                        sets->depth[i][1]));
 }
 
 static gp_status save_json(const struct gp_log *log,
