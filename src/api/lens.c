@@ -43,7 +43,7 @@ static double sensor_width(struct glarepp_frame *f, const struct gp_lens *lens)
     const double h = gp_rect_h(f->image.display);
     const char **const from = &f->facts.lens.sensor_from;
     const double fov = gp_api_camera_fov(f);
-    struct gp_lens_figures figures;
+    struct glarepp_lens figures;
     *from = "option";
     if (f->plan->lens_params.sensor > 0.0)
         return f->plan->lens_params.sensor;
@@ -56,16 +56,16 @@ static double sensor_width(struct glarepp_frame *f, const struct gp_lens *lens)
         *from = "attribute";
         return f->p.sensor;
     }
-    *from = lens->claims_height > 0.0 ? "lens" : "default";
-    return lens->claims_height > 0.0
-               ? 2.0 * lens->claims_height * w / hypot(w, h)
+    *from = lens->says.claims_height > 0.0 ? "lens" : "default";
+    return lens->says.claims_height > 0.0
+               ? 2.0 * lens->says.claims_height * w / hypot(w, h)
                : 36.0; // of 35 mm film
 }
 
 bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out)
 {
     const struct gp_image *const image = &f->image;
-    struct gp_lens_figures figures;
+    struct glarepp_lens figures;
     struct gp_lens lens;
     if (focus(f, NULL, &lens))
         return false;
@@ -78,7 +78,7 @@ bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out)
         .focal = round(1e3 * figures.focal) / 1e3,
         .f_number = round(1e3 * figures.f_number) / 1e3,
         .fov = 360.0 / acos(-1.0) * atan(0.5 * height / figures.focal),
-        .blades = lens.blades, .turn = lens.turn,
+        .blades = lens.says.blades, .turn = lens.turn,
     };
     return true;
 }
@@ -121,7 +121,7 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
         found.bound =
             found.missing > 0.0 ? found.missing / sqrt(squares) : 0.0;
     }
-    found.name = f->plan->lens.name;
+    found.name = f->plan->lens.says.name;
     found.sensor = width;
     found.sensor_from = facts->sensor_from;
     found.rest = rest;
@@ -146,39 +146,12 @@ gp_status gp_api_lens(struct glarepp_frame *f)
 
 struct own {
     struct gp_lens lens;
-    struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
     char *svg;
 };
 
-/* Copies what the caller reads. */
-static void fill(const struct gp_lens *lens, const struct gp_lens_figures *f,
-                 struct glarepp_lens *out)
-{
-    memcpy(out->name, lens->name, sizeof lens->name);
-    memcpy(out->patent, lens->patent, sizeof lens->patent);
-    memcpy(out->note, lens->note, sizeof lens->note);
-    out->claims_focal = lens->claims_focal;
-    out->claims_f_number = lens->claims_f_number;
-    out->claims_back = lens->claims_back;
-    out->claims_height = lens->claims_height;
-    out->surfaces = lens->n;
-    out->stop = lens->stop;
-    out->blades = lens->blades;
-    out->focal = f->focal;
-    out->back = f->back;
-    out->pupil = f->pupil;
-    out->f_number = f->f_number;
-    out->height = f->height;
-    out->through = f->through;
-}
-
 int glarepp_lens(struct glarepp *gp, const char *lens, struct glarepp_lens *out)
 {
-    _Static_assert(sizeof out->name == sizeof ((struct gp_lens *) 0)->name &&
-                       sizeof out->note == sizeof ((struct gp_lens *) 0)->note,
-                   "texts are copied whole");
     struct glarepp *const outer = gp_api_begin(gp);
-    struct gp_lens_figures figures;
     struct own *own = NULL;
     gp_status st;
     gp_api_about("lens");
@@ -187,18 +160,11 @@ int glarepp_lens(struct glarepp *gp, const char *lens, struct glarepp_lens *out)
     out->own = own;
     GP_TRY(gp_lens_read(&gp->log, lens, &own->lens));
     GP_TRY(gp_lens_focus(&gp->log, &own->lens, INFINITY, 0.0));
-    gp_lens_measure(&own->lens, &figures);
-    fill(&own->lens, &figures, out);
-    out->ghosts = gp_lens_ghosts(&own->lens, GP_D_LINE, own->ghost);
-    GP_TRY(gp_alloc_zero(&gp->log, "ghosts", (size_t) out->ghosts + 1,
-                         sizeof *out->ghost, &out->ghost));
-    for (int i = 0; i < out->ghosts; i++) {
-        const struct gp_lens_ghost *const g = &own->ghost[i];
-        out->ghost[i] = (struct glarepp_ghost) {
-            .first = g->first, .second = g->second, .a = g->m.a, .b = g->m.b,
-            .radius = g->radius, .shift = g->shift, .through = g->through,
-        };
-    }
+    gp_lens_measure(&own->lens, out);
+    out->own = own;
+    GP_TRY(gp_alloc(&gp->log, "ghosts", GP_LENS_GHOSTS, sizeof *out->ghost,
+                    &out->ghost));
+    out->ghosts = gp_lens_ghosts(&own->lens, GP_D_LINE, out->ghost, NULL);
 out:
     if (st)
         glarepp_lens_end(out);
@@ -219,19 +185,13 @@ const char *glarepp_lens_draw(struct glarepp_lens *lens,
                               const struct glarepp_ghost *ghost)
 {
     struct own *const own = lens->own;
-    const struct gp_lens_ghost *drawn = NULL;
     size_t size = 0;
-    for (int i = 0; ghost && i < lens->ghosts; i++) {
-        if (own->ghost[i].first == ghost->first &&
-            own->ghost[i].second == ghost->second)
-            drawn = &own->ghost[i];
-    }
     free(own->svg);
     own->svg = NULL;
     FILE *const f = open_memstream(&own->svg, &size);
     if (!f)
         return NULL;
-    const bool whole = !gp_lens_svg(NULL, f, &own->lens, drawn) && !ferror(f);
+    const bool whole = !gp_lens_svg(NULL, f, &own->lens, ghost) && !ferror(f);
     if (fclose(f) != 0 || !whole) {
         free(own->svg);
         own->svg = NULL;

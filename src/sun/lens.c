@@ -34,15 +34,16 @@ static gp_status read_claims(const struct gp_json_place *p, json_t *root,
     static const char *const keys[] = {
         "focal_length", "f_number", "back_focus", "image_height", NULL};
     json_t *const o = json_object_get(root, "claims");
+    struct glarepp_lens *const out = &lens->says;
     gp_status st;
     if (!o)
         return GP_OK;
     GP_TRY(gp_json_keys(p, o, keys));
-    GP_TRY(gp_json_number(p, o, "focal_length", 0.1, 1e5, &lens->claims_focal));
-    GP_TRY(gp_json_number(p, o, "f_number", 0.3, 1e3, &lens->claims_f_number));
-    GP_TRY(gp_json_number(p, o, "back_focus", 1e-3, 1e5, &lens->claims_back));
+    GP_TRY(gp_json_number(p, o, "focal_length", 0.1, 1e5, &out->claims_focal));
+    GP_TRY(gp_json_number(p, o, "f_number", 0.3, 1e3, &out->claims_f_number));
+    GP_TRY(gp_json_number(p, o, "back_focus", 1e-3, 1e5, &out->claims_back));
     GP_TRY(gp_json_number(p, o, "image_height", 1e-3, 1e4,
-                          &lens->claims_height));
+                          &out->claims_height));
 out:
     return st;
 }
@@ -128,20 +129,21 @@ static gp_status read_lens(const struct gp_json_place *p, json_t *root,
     static const char *const keys[] = {
         "name", "patent", "note", "claims", "blades", "blade_turn", "coating",
         "surfaces", NULL};
+    struct glarepp_lens *const says = &lens->says;
     double coating = 0.0;
     json_t *list = NULL;
     gp_status st;
     GP_TRY(gp_json_keys(p, root, keys));
-    GP_TRY(read_text(p, root, "name", sizeof lens->name, lens->name));
-    GP_TRY(read_text(p, root, "patent", sizeof lens->patent, lens->patent));
-    GP_TRY(read_text(p, root, "note", sizeof lens->note, lens->note));
-    if (!lens->name[0])
+    GP_TRY(read_text(p, root, "name", sizeof says->name, says->name));
+    GP_TRY(read_text(p, root, "patent", sizeof says->patent, says->patent));
+    GP_TRY(read_text(p, root, "note", sizeof says->note, says->note));
+    if (!says->name[0])
         GP_TRY(gp_json_fail(p, "no name; add \"name\": text"));
     GP_TRY(read_claims(p, root, lens));
-    GP_TRY(gp_json_int(p, root, "blades", 0, 32, &lens->blades));
-    if (lens->blades == 1 || lens->blades == 2)
+    GP_TRY(gp_json_int(p, root, "blades", 0, 32, &says->blades));
+    if (says->blades == 1 || says->blades == 2)
         GP_TRY(gp_json_fail(p, "blades make no opening (found %d); give 3 to "
-                            "32, or 0 for a round stop", lens->blades));
+                            "32, or 0 for a round stop", says->blades));
     GP_TRY(gp_json_number(p, root, "blade_turn", -360.0, 360.0, &lens->turn));
     GP_TRY(gp_json_number(p, root, "coating", 0.0, 5000.0, &coating));
     GP_TRY(gp_json_array(p, root, "surfaces", GP_LENS_SURFACES, &list));
@@ -329,64 +331,66 @@ gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
     const double focal = m.c < 0.0 ? -1.0 / m.c : 0.0;
     if (!(focal >= 0.1 && focal <= 1e5))
         return gp_fail(log, GP_ERR_DATA, "%s: does not collect light (power "
-                       "%g per mm); check the signs of the radii", lens->name,
-                       -m.c);
+                       "%g per mm); check the signs of the radii",
+                       lens->says.name, -m.c);
     // the chief ray, by which places in the picture have slopes
     if (!(fabs(to_stop.a) > 1e-6))
         return gp_fail(log, GP_ERR_DATA, "%s: has its stop in a focus; check "
-                       "radii and thicknesses before it", lens->name);
+                       "radii and thicknesses before it", lens->says.name);
     // a ray from the axis at the object: height = distance * slope
     const double far = isinf(distance) ? 0.0 : 1.0 / distance;
     const double y = m.a + m.b * far, slope = m.c + m.d * far;
     const double gap = -y / slope;
     if (!(slope < 0.0 && gap > 0.0 && gap <= 1e5))
         return gp_fail_at(log, GP_ERR_USAGE, "lens.distance", "%s: makes no "
-                          "image of an object %g m away", lens->name,
+                          "image of an object %g m away", lens->says.name,
                           distance * 1e-3);
     lens->at[lens->n - 1].gap = gap;
     const double own = focal / (2.0 * lens->at[lens->stop].semi /
                                 fabs(to_stop.a));
     if (f_number > 0.0 && f_number < own * 0.995)
         return gp_fail_at(log, GP_ERR_USAGE, "lens.f_number", "%s: opens to "
-                          "f/%.4g only (found f/%g)", lens->name, own,
+                          "f/%.4g only (found f/%g)", lens->says.name, own,
                           f_number);
     if (f_number > own)
         lens->at[lens->stop].semi *= own / f_number;
     return GP_OK;
 }
 
-void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out)
+double gp_lens_measure(const struct gp_lens *lens, struct glarepp_lens *out)
 {
     const struct gp_lens_matrix m = front_matrix(lens, lens->n);
     const struct gp_lens_matrix s = front_matrix(lens, lens->stop + 1);
     const struct gp_lens_matrix all =
         times(way_of(lens->at[lens->n - 1].gap), m);
-    struct gp_lens_figures f = {
-        .focal = -1.0 / m.c, .back = -m.a / m.c,
-        .pupil = lens->at[lens->stop].semi / fabs(s.a),
-        .pupil_at = s.b / s.a, .through = 1.0,
-    };
+    const double pupil_at = s.b / s.a; // after the first surface
     double field = INFINITY; // slope at which the chief ray meets a rim
-    f.f_number = f.focal / (2.0 * f.pupil);
-    f.scale = all.b - all.a * f.pupil_at;
+    *out = lens->says;
+    out->surfaces = lens->n;
+    out->stop = lens->stop;
+    out->focal = -1.0 / m.c;
+    out->back = -m.a / m.c;
+    out->pupil = lens->at[lens->stop].semi / fabs(s.a);
+    out->f_number = out->focal / (2.0 * out->pupil);
+    out->through = 1.0;
     for (int i = 0; i < lens->n; i++) {
         const struct gp_lens_matrix to = front_matrix(lens, i + 1);
         const double height = fabs(to.b - to.a * s.b / s.a); // at slope 1
         if (i != lens->stop && height * field > lens->at[i].semi)
             field = lens->at[i].semi / height;
-        f.through *= 1.0 - reflected(lens, i, GP_D_LINE);
+        out->through *= 1.0 - reflected(lens, i, GP_D_LINE);
     }
-    f.height = isfinite(field) ? f.focal * field : 0.0;
-    *out = f;
+    out->height = isfinite(field) ? out->focal * field : 0.0;
+    return all.b - all.a * pupil_at;
 }
 
 // -- ghosts -------------------------------------------------------------------
 
 /* Follows a ghost's path. */
-static struct gp_lens_ghost ghost_of(const struct gp_lens *lens, int first,
-                                     int second, double nm)
+static struct glarepp_ghost ghost_of(const struct gp_lens *lens, int first,
+                                     int second, double nm, double *blur)
 {
-    struct gp_lens_ghost g = {.first = first, .second = second,
+    struct glarepp_ghost g = {.first = first, .second = second,
                               .radius = INFINITY, .through = 1.0};
     struct gp_lens_matrix m = way_of(0.0), s = m; // s: to the stop, at last
     struct gp_lens_path path;
@@ -404,24 +408,31 @@ static struct gp_lens_ghost ghost_of(const struct gp_lens *lens, int first,
         if (i == lens->stop)
             s = m;
     }
-    g.m = times(way_of(lens->at[lens->n - 1].gap), m);
+    m = times(way_of(lens->at[lens->n - 1].gap), m);
+    g.a = m.a;
+    g.b = m.b;
     // from the stop to the sensor: m = after * s
     const double det = s.a * s.d - s.b * s.c;
-    const double b = (g.m.b * s.a - g.m.a * s.b) / det;
+    const double b = (m.b * s.a - m.a * s.b) / det;
     // Collins' integral from the stop: a fringe of sqrt(nm |A B|), with A the
     // size of the ghost over that of the stop
-    g.blur = s.a != 0.0 ? sqrt(nm * 1e-6 * fabs(g.m.a / s.a * b)) : 0.0;
+    if (blur)
+        *blur = s.a != 0.0 ? sqrt(nm * 1e-6 * fabs(m.a / s.a * b)) : 0.0;
     return g;
 }
 
 int gp_lens_ghosts(const struct gp_lens *lens, double nm,
-                   struct gp_lens_ghost out[GP_LENS_GHOSTS])
+                   struct glarepp_ghost out[GP_LENS_GHOSTS],
+                   double blur[GP_LENS_GHOSTS])
 {
     int n = 0;
     for (int first = 1; first < lens->n; first++) {
         for (int second = 0; second < first; second++) {
-            if (reflects(lens, first) && reflects(lens, second))
-                out[n++] = ghost_of(lens, first, second, nm);
+            if (!reflects(lens, first) || !reflects(lens, second))
+                continue;
+            out[n] = ghost_of(lens, first, second, nm,
+                              blur ? &blur[n] : NULL);
+            n++;
         }
     }
     return n;

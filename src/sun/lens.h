@@ -21,7 +21,6 @@
 
 enum {
     GP_LENS_SURFACES = 64,
-    GP_LENS_TEXT = 128, // bytes of a text with its null
     // pairs of surfaces that reflect
     GP_LENS_GHOSTS = GP_LENS_SURFACES * (GP_LENS_SURFACES - 1) / 2,
     // of one path: to the sensor, back and forth
@@ -40,12 +39,10 @@ struct gp_lens_surface {
 
 /* Zeroed is none. Owns nothing. */
 struct gp_lens {
-    char name[GP_LENS_TEXT], patent[GP_LENS_TEXT], note[2 * GP_LENS_TEXT];
-    double claims_focal, claims_f_number, claims_back, claims_height; // 0: none
+    struct glarepp_lens says; // texts, claims and blades; else 0
     struct gp_lens_surface at[GP_LENS_SURFACES];
     int n, stop;      // surfaces; index of the stop
-    int blades;       // of the stop; 0: round
-    double turn;      // degrees, counter-clockwise
+    double turn;      // of blades, degrees, counter-clockwise
 };
 
 /* A surface on the path of a ghost, in the order of the path. */
@@ -64,30 +61,6 @@ struct gp_lens_path {
 /* Rows of [[a, b], [c, d]], from (height, slope) to (height, slope). */
 struct gp_lens_matrix {
     double a, b, c, d;
-};
-
-/* First-order optics at the d line. */
-struct gp_lens_figures {
-    double focal, back;    // focal length; last surface to the focus
-    double pupil;          // half the entrance pupil's diameter
-    double pupil_at;       // its place after the first surface
-    double f_number;
-    double scale;          // mm on the sensor for a slope of 1 of the chief ray,
-                           // as the lens is focused
-    double height;         // half of the image's diagonal that the claimed
-                           // field or the rims let through, 0: unknown
-    double through;        // share of light that crosses on the axis
-};
-
-/* A ghost in first order, of a light of slope u: rays enter at heights r from
- * the axis and reach the sensor at m.a * r + m.b * u. They pass every rim in
- * the disc of half-width `radius` around shift * u. */
-struct gp_lens_ghost {
-    int first, second;
-    struct gp_lens_matrix m;
-    double radius, shift;  // of the rim that cuts most on the axis
-    double through;        // product of transmissions and both reflections
-    double blur;           // width in mm of the stop's Fresnel fringe
 };
 
 /* Reads a prescription.
@@ -117,8 +90,9 @@ double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
 GP_MUST_CHECK gp_status gp_lens_focus(const struct gp_log *log,
     struct gp_lens *lens, double distance, double f_number);
 
-/* Measures in first order. */
-void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out);
+/* Measures in first order; *out has no ghosts. Returns the millimetres on the
+ * sensor for a slope of 1 of the chief ray, as the lens is focused. */
+double gp_lens_measure(const struct gp_lens *lens, struct glarepp_lens *out);
 
 /* Fills in the path by surfaces first > second, or straight with -1, -1. */
 void gp_lens_path(const struct gp_lens *lens, int first, int second,
@@ -129,14 +103,17 @@ void gp_lens_path(const struct gp_lens *lens, int first, int second,
 struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
     const struct gp_lens_path *path, int steps, double nm);
 
-/* Lists the ghosts of all pairs of surfaces that reflect; returns how many. */
+/* Lists the ghosts of all pairs of surfaces that reflect; returns how many.
+ *   blur  of each the width in mm of the stop's Fresnel fringe; NULL: not
+ *         wanted */
 int gp_lens_ghosts(const struct gp_lens *lens, double nm,
-                   struct gp_lens_ghost out[GP_LENS_GHOSTS]);
+                   struct glarepp_ghost out[GP_LENS_GHOSTS],
+                   double blur[GP_LENS_GHOSTS]);
 
 /* Draws the lens in section as SVG, with the rays of a ghost, which may be
  * NULL. `f` keeps errors of writing. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_lens_svg(const struct gp_log *log, FILE *f,
-    const struct gp_lens *lens, const struct gp_lens_ghost *ghost);
+    const struct gp_lens *lens, const struct glarepp_ghost *ghost);
 
 // -- ghosts of many lights, drawn into a layer (lens_draw.c) -----------------
 

@@ -176,9 +176,8 @@ static bool measure(const struct gp_lens_view *v,
     return n > 0;
 }
 
-void gp_lens_item_place(const struct gp_lens_view *v,
-                        const struct gp_lens_ghost *g, double ease,
-                        struct gp_lens_item *it)
+void gp_lens_item_place(const struct gp_lens_view *v, double blur,
+                        double ease, struct gp_lens_item *it)
 {
     const struct gp_lens_mesh *const m = &it->mesh;
     const double w = gp_rect_w(v->frame), h = gp_rect_h(v->frame);
@@ -196,7 +195,7 @@ void gp_lens_item_place(const struct gp_lens_view *v,
     const double finer = 1 << v->detail;
     // a step must not hide the size
     const double size = gp_maxd(all.x1 - all.x0, all.y1 - all.y0);
-    const double finest = gp_mind(0.7 / finer * g->blur /
+    const double finest = gp_mind(0.7 / finer * blur /
                                    gp_mind(v->mm[0], v->mm[1]), size / 24.0);
     int level = 0;
     while (level + 1 < GP_LENS_LEVELS && 2 << level <= finest)

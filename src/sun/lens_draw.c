@@ -128,7 +128,8 @@ struct drawing {
     const struct gp_lens *lens;
     const struct gp_lens_view *view;
     const struct gp_lens_light *light;
-    struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
+    struct glarepp_ghost ghost[GP_LENS_GHOSTS];
+    double blur[GP_LENS_GHOSTS];
     struct gp_lens_optics optics[GP_LENS_NODES];
     struct rank rank[GP_LENS_GHOSTS], *kept; // kept: those that are drawn
     int kept_n, first; // of the chunk: light * kept_n + ghost
@@ -158,10 +159,10 @@ static int by_ghost(const void *a, const void *b)
 static void rank_ghost(struct drawing *d, int i, const double light[3])
 {
     const struct gp_lens_view *const v = d->view;
-    const struct gp_lens_ghost *const g = &d->ghost[i];
+    const struct glarepp_ghost *const g = &d->ghost[i];
     const double disc = M_PI * g->radius * g->radius;
     // or a pixel
-    const double pixels = fmax(disc * g->m.a * g->m.a / (v->mm[0] * v->mm[1]),
+    const double pixels = fmax(disc * g->a * g->a / (v->mm[0] * v->mm[1]),
                                1.0);
     const double frame = (double) gp_rect_w(v->frame) *
                          (double) gp_rect_h(v->frame);
@@ -198,11 +199,11 @@ static void choose(struct drawing *d, int lights, struct glarepp_lens_facts *sta
             light[c] += d->light[i].flux[c];
     }
     for (int k = 0; k < GP_LENS_NODES; k++) {
-        n = gp_lens_ghosts(d->lens, gp_lens_node[k], d->ghost);
+        n = gp_lens_ghosts(d->lens, gp_lens_node[k], d->ghost, NULL);
         for (int i = 0; i < n; i++)
             d->rank[i].through[k] = d->ghost[i].through;
     }
-    gp_lens_ghosts(d->lens, GP_D_LINE, d->ghost);
+    gp_lens_ghosts(d->lens, GP_D_LINE, d->ghost, d->blur);
     for (int i = 0; i < n; i++)
         rank_ghost(d, i, light);
     qsort(d->rank, (size_t) n, sizeof *d->rank, by_brightness);
@@ -247,7 +248,7 @@ static gp_status trace_item(void *ctx, int i, int thread)
     const int at = d->first + i;
     const struct gp_lens_light *const light = &d->light[at / d->kept_n];
     const struct rank *const rank = &d->kept[at % d->kept_n];
-    const struct gp_lens_ghost *const g = &d->ghost[rank->ghost];
+    const struct glarepp_ghost *const g = &d->ghost[rank->ghost];
     const double x = (light->x - gp_rect_middle(v->display, 0)) * v->mm[0];
     const double y = (light->y - gp_rect_middle(v->display, 1)) * v->mm[1];
     const double away = hypot(x, y);
@@ -267,12 +268,13 @@ static gp_status trace_item(void *ctx, int i, int thread)
     gp_lens_path(d->lens, g->first, g->second, &path);
     static const double most[] = {1.0, 5e-4, 0.0}, edge[] = {1.0, 0.25, 0.0};
     const double ease = ease_of(d, rank, light->flux);
+    const double blur = d->blur[rank->ghost];
     const gp_status st = gp_lens_mesh_make(
         NULL, d->optics, &path, &it->blades, it->u,
         ease * fmin(v->tolerance, most[v->detail]),
-        ease * edge[v->detail] * fmax(g->blur, v->mm[0]), &it->mesh);
+        ease * edge[v->detail] * fmax(blur, v->mm[0]), &it->mesh);
     if (!st && it->mesh.cells)
-        gp_lens_item_place(v, g, ease, it);
+        gp_lens_item_place(v, blur, ease, it);
     return st;
 }
 
@@ -355,7 +357,7 @@ static gp_status run_chunk(struct drawing *d, struct glarepp_lens_facts *stats)
 static gp_status measure_image(const struct gp_log *log, struct drawing *d)
 {
     const struct gp_lens_blades blades = gp_lens_blades_of(d->lens, 0.0);
-    struct gp_lens_figures figures;
+    struct glarepp_lens figures;
     struct gp_lens_path straight;
     struct gp_lens_mesh mesh;
     for (int k = 0; k < GP_LENS_NODES; k++)
@@ -363,15 +365,14 @@ static gp_status measure_image(const struct gp_log *log, struct drawing *d)
     gp_lens_path(d->lens, -1, -1, &straight);
     const gp_status st = gp_lens_mesh_make(log, d->optics, &straight, &blades,
                                            0.0, 1e-4, 0.0, &mesh);
-    gp_lens_measure(d->lens, &figures);
-    d->scale = figures.scale;
+    d->scale = gp_lens_measure(d->lens, &figures);
     const bool lit = mesh.cells && d->scale > 0.0 && d->scale < 1e9;
     if (!st && lit)
         gp_lens_bands_make(d->view->chromaticities, mesh.flux, d->band);
     gp_lens_mesh_free(&mesh);
     return st || lit ? st : gp_fail_at(log, GP_ERR_DATA, "lens.lens.dark",
                                        "%s: no light reaches its image",
-                                       d->lens->name);
+                                       d->lens->says.name);
 }
 
 gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
@@ -443,7 +444,7 @@ static void print_glass(FILE *f, const struct gp_lens_optics *o)
 
 /* Rays of a light a little off the axis, over the ghost's pupil. */
 static void print_rays(FILE *f, const struct gp_lens_optics *o,
-                       const struct gp_lens_ghost *ghost, double u)
+                       const struct glarepp_ghost *ghost, double u)
 {
     struct gp_lens_path path;
     double at[GP_LENS_STEPS + 1][3];
@@ -466,11 +467,11 @@ static void print_rays(FILE *f, const struct gp_lens_optics *o,
 
 gp_status gp_lens_svg(const struct gp_log *log, FILE *f,
                       const struct gp_lens *lens,
-                      const struct gp_lens_ghost *ghost)
+                      const struct glarepp_ghost *ghost)
 {
     struct gp_lens_optics *o; // 130 KiB: too large for a stack
     double tall = 0.0;
-    const gp_status st = gp_alloc(log, lens->name, 1, sizeof *o, &o);
+    const gp_status st = gp_alloc(log, lens->says.name, 1, sizeof *o, &o);
     if (st)
         return st;
     gp_lens_optics_make(lens, GP_D_LINE, o);

@@ -201,11 +201,10 @@ void gp_lens_light_of(const struct gp_lens_band *b,
                       const double root[GP_LENS_NODES], double out[3]);
 
 /* Finds the step of an item with a mesh, the bands of each of its cells, and
- * the rows of those in the frame. `ease` >= 1: bands of many lights may be
- * so much wider. */
-void gp_lens_item_place(const struct gp_lens_view *v,
-                        const struct gp_lens_ghost *g, double ease,
-                        struct gp_lens_item *it);
+ * the rows of those in the frame. `blur`: of its ghost; `ease` >= 1: bands
+ * of many lights may be so much wider. */
+void gp_lens_item_place(const struct gp_lens_view *v, double blur,
+                        double ease, struct gp_lens_item *it);
 
 /* Draws an item into rows [top, end) of the steps of its level. */
 void gp_lens_item_draw(const struct gp_lens_item *it,

@@ -137,7 +137,7 @@ static void make_route(const struct gp_lens_optics *o,
             out->z[k] - z, o->n[s.surface + s.back] /
                                o->n[s.surface + 1 - s.back],
             o->reflected[s.surface][s.back], stop,
-            !stop || lens->blades == 0, s.reflects, s.back != s.reflects,
+            !stop || lens->says.blades == 0, s.reflects, s.back != s.reflects,
         };
         z = out->z[k];
     }
@@ -239,7 +239,7 @@ struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
 struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
                                         double angle)
 {
-    struct gp_lens_blades b = {.n = lens->blades};
+    struct gp_lens_blades b = {.n = lens->says.blades};
     for (int i = 0; i < b.n; i++) {
         // counter-clockwise as seen, where y points down
         const double a = (2.0 * i + 1.0) * M_PI / b.n -
