@@ -59,13 +59,6 @@ int glarepp_frame(struct glarepp_plan *plan,
     f->image.read = (struct gp_rect) {p.file.x0, p.file.y0, p.file.x1,
                                       p.file.y1};
     f->sink.name = f->image.path;
-    f->about = (struct gp_sun_about) {
-        .numbered = p.numbered, .number = p.number,
-        .has_camera = p.has_camera, .has_ndc = p.has_ndc,
-        .ndc = (enum gp_ndc) p.ndc,
-    };
-    memcpy(f->about.to_camera, p.to_camera, sizeof p.to_camera);
-    memcpy(f->about.to_ndc, p.to_ndc, sizeof p.to_ndc);
     GP_TRY(import_groups(f, &p));
     *out = f;
     f = NULL;
@@ -152,16 +145,15 @@ const struct glarepp_facts *glarepp_frame_facts(const struct glarepp_frame *f)
 double gp_api_camera_fov(const struct glarepp_frame *f)
 {
     const struct glarepp_plan *const plan = f->plan;
-    const struct gp_sun_about *const about = &f->about;
     struct gp_camera c;
     if (plan->fov > 0.0)
         return plan->fov;
     if (f->work->lights)
-        return gp_suns_fov(&f->work->lights->suns, about, &f->image);
-    const enum gp_ndc asked = (enum gp_ndc) plan->sun.ndc;
-    return about->has_ndc &&
-                   !gp_camera_make(NULL, NULL, NULL, about->to_ndc,
-                                   asked ? asked : about->ndc, &c)
+        return gp_suns_fov(&f->work->lights->suns, &f->p, &f->image);
+    const enum gp_ndc ndc =
+        (enum gp_ndc) (plan->sun.ndc ? plan->sun.ndc : f->p.ndc);
+    return f->p.has_ndc &&
+                   !gp_camera_make(NULL, NULL, NULL, f->p.to_ndc, ndc, &c)
                ? gp_camera_fov(&c) : 0.0;
 }
 

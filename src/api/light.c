@@ -98,7 +98,7 @@ static gp_status measure_outside(struct glarepp_frame *f)
 gp_status gp_api_place(struct glarepp_frame *f)
 {
     struct gp_suns *const suns = &f->work->lights->suns;
-    const gp_status st = gp_suns_find(&f->log, &f->about, &f->image, suns);
+    const gp_status st = gp_suns_find(&f->log, &f->p, &f->image, suns);
     f->facts.lights = st ? 0 : suns->n;
     return st;
 }

@@ -139,8 +139,7 @@ struct glarepp_frame {
     struct glarepp_plan *plan;
     struct gp_api_sink sink;
     struct gp_log log;
-    struct glarepp_frame_params p; // image, group and matrices are in:
-    struct gp_sun_about about;
+    struct glarepp_frame_params p; // image and group are in:
     struct gp_image image;
     bool borrowed;                 // image.rgb is the caller's
     struct gp_api_group *group;    // owned

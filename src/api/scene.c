@@ -196,7 +196,7 @@ static gp_status find_camera(struct glarepp_frame *f)
     struct gp_camera theirs;
     char names[512];
     gp_status st;
-    GP_TRY(gp_suns_camera(&f->log, &f->work->lights->suns, &f->about, &f->image,
+    GP_TRY(gp_suns_camera(&f->log, &f->work->lights->suns, &f->p, &f->image,
                           &own->frame_camera, &own->has_camera));
     if (!own->settled && own->has_camera)
         gp_scene_turn(s, gp_scene_find_up(s, &own->frame_camera));

@@ -72,7 +72,7 @@ out:
 /* Finds the entry of --camera for a frame; NULL without --camera. */
 static gp_status find_entry(const struct gp_log *log,
                             const struct gp_suns *suns,
-                            const struct gp_sun_about *about,
+                            const struct glarepp_frame_params *about,
                             const struct gp_image *f,
                             const struct gp_camera_frame **out)
 {
@@ -95,7 +95,7 @@ static gp_status find_entry(const struct gp_log *log,
 }
 
 gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
-                         const struct gp_sun_about *about,
+                         const struct glarepp_frame_params *about,
                          const struct gp_image *f, struct gp_camera *out,
                          bool *found)
 {
@@ -109,14 +109,15 @@ gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
         st = gp_camera_make(log, f->path,
                             about->has_camera ? about->to_camera : NULL,
                             about->to_ndc,
-                            asked == GP_NDC_AUTO ? about->ndc : asked, out);
+                            asked ? asked : (enum gp_ndc) about->ndc, out);
     return st;
 }
 
-double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
+double gp_suns_fov(const struct gp_suns *suns,
+                   const struct glarepp_frame_params *about,
                    const struct gp_image *f)
 {
-    struct gp_sun_about own = *about;
+    struct glarepp_frame_params own = *about;
     struct gp_camera camera;
     bool found;
     own.has_camera = false;
@@ -151,7 +152,7 @@ static const struct glarepp_light *spec_at(const struct gp_suns *suns, int i)
 }
 
 gp_status gp_suns_find(const struct gp_log *log,
-                       const struct gp_sun_about *about,
+                       const struct glarepp_frame_params *about,
                        const struct gp_image *f, struct gp_suns *suns)
 {
     const struct glarepp_light_params *const p = suns->p;

@@ -18,15 +18,6 @@
 
 #include <stdbool.h>
 
-/* The camera of a frame, as its file has it. */
-struct gp_sun_about {
-    bool numbered;
-    int number;                // of the frame, for --camera
-    bool has_camera, has_ndc;
-    double to_camera[16], to_ndc[16]; // row vectors; camera.h
-    enum gp_ndc ndc;           // the range that to_ndc maps to
-};
-
 /* Lights and a camera of a frame that the caller knows, of a scene. Borrowed
  * from gp_suns_find() to the end of the frame. */
 struct gp_suns_more {
@@ -73,14 +64,14 @@ GP_MUST_CHECK gp_status gp_suns_begin(
  * Errors: GP_ERR_DATA a frame that --camera does not have; those of
  * gp_camera_make(). */
 GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
-    const struct gp_suns *suns, const struct gp_sun_about *about,
+    const struct gp_suns *suns, const struct glarepp_frame_params *about,
     const struct gp_image *f, struct gp_camera *out, bool *found);
 
 /* Gives each light its place. Errors: GP_ERR_USAGE, and GP_ERR_DATA a frame that
  * the cameras do not have, or one without a sun there where p->needed and no
  * other light is given. */
 GP_MUST_CHECK gp_status gp_suns_find(const struct gp_log *log,
-    const struct gp_sun_about *about, const struct gp_image *f,
+    const struct glarepp_frame_params *about, const struct gp_image *f,
     struct gp_suns *suns);
 
 /* Tells what may hide the lights: planes, borrowed to the end of the frame, NULL
@@ -96,7 +87,8 @@ GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
 
 /* The vertical angle of the picture in degrees, by --camera, by the frame's own
  * attributes, or by suns->more_fov; 0 where none says so. */
-double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
+double gp_suns_fov(const struct gp_suns *suns,
+                   const struct glarepp_frame_params *about,
                    const struct gp_image *f);
 
 /* Returns true when a light has flux, of which gp_suns_draw() may add light;
