@@ -290,9 +290,7 @@ gp_status gp_api_relight(struct glarepp_frame *f)
 {
     const struct glarepp_scene_params *const p = &f->plan->scene;
     struct gp_api_scene *const own = f->work->scene;
-    struct gp_relit_light *lit = NULL;
     gp_status st;
-    int n = 0;
     GP_TRY(check_planes(f));
     const struct gp_relit_frame frame = {
         .path = f->sink.name, .up_unknown = !own->settled,
@@ -305,17 +303,8 @@ gp_status gp_api_relight(struct glarepp_frame *f)
         },
     };
     GP_TRY(gp_relit_add(&f->log, &own->scene, &own->meshes, &frame, p->relight,
-                        p->relights, &lit, &n));
-    GP_TRY(gp_alloc(&f->log, "lights", (size_t) n + 1, sizeof *f->relit,
-                    &f->relit));
-    for (int i = 0; i < n; i++)
-        f->relit[i] = (struct glarepp_relit) {
-            .name = lit[i].name, .pixels = lit[i].pixels, .rays = lit[i].rays,
-            .casters = lit[i].casters,
-        };
+                        p->relights, &f->relit, &f->facts.relits));
     f->facts.relit = f->relit;
-    f->facts.relits = n;
 out:
-    gp_free(lit);
     return st;
 }

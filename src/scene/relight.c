@@ -26,7 +26,7 @@ struct lamp {
     const struct gp_relight_pass *pass;
     struct gp_rect cut;      // in the data
     struct gp_rays rays;     // casters
-    struct gp_relit *row;   // of cut
+    struct glarepp_relit *row;   // of cut
     unsigned char *mark;     // of its pixels
 };
 
@@ -336,7 +336,7 @@ static bool is_free(const struct lamp *lamp, struct gp_v3 place,
 
 /* Returns the part of a pixel's surface that the light reaches. */
 static double clear_share(const struct lamp *lamp, const struct surface *s,
-                          int x, int y, struct gp_relit *facts)
+                          int x, int y, struct glarepp_relit *facts)
 {
     const struct relit *const w = lamp->of;
     double clear = 0.0;
@@ -456,7 +456,7 @@ out:
 /* Adds the light of the surfaces at a pixel's places. */
 static void light_places(const struct lamp *lamp, const struct surface of[MANY],
                          const double weight[MANY], double add[3],
-                         struct gp_relit *facts)
+                         struct glarepp_relit *facts)
 {
     const struct gp_relight_pass *const pass = lamp->pass;
     for (int i = 0; i < MANY; i++) {
@@ -512,7 +512,7 @@ static int marks_around(const struct lamp *lamp, int x, int y)
 
 /* Adds the light of the surfaces of a pixel. */
 static void light_surfaces(const struct lamp *lamp, const struct pixel *p,
-                           int next, double add[3], struct gp_relit *facts)
+                           int next, double add[3], struct glarepp_relit *facts)
 {
     const struct gp_relight_pass *const pass = lamp->pass;
     for (int k = 0; k < p->n; k++) {
@@ -532,7 +532,7 @@ static void light_surfaces(const struct lamp *lamp, const struct pixel *p,
 static void light_pixel(const struct lamp *lamp, struct pixel *p)
 {
     const struct relit *const w = lamp->of;
-    struct gp_relit *const facts = &lamp->row[p->y - lamp->cut.y0];
+    struct glarepp_relit *const facts = &lamp->row[p->y - lamp->cut.y0];
     const int next = marks_around(lamp, p->x, p->y);
     double add[3] = {0};
     bool reached = false;
@@ -631,7 +631,8 @@ out:
 
 gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     struct gp_meshes *meshes, const struct gp_surfaces *f,
-    const struct gp_relight_pass *pass, int passes, struct gp_relit *out)
+    const struct gp_relight_pass *pass, int passes,
+    struct glarepp_relit *out)
 {
     struct relit w = {
         .f = f, .eye = gp_camera_eye(&f->camera), .lamps = passes,
@@ -651,7 +652,7 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     }
     gp_parallel_do(gp_rect_h(f->data), light_row, &w);
     for (int k = 0; k < passes; k++) {
-        out[k] = (struct gp_relit) {0};
+        out[k].pixels = out[k].rays = 0;
         for (int i = 0; i < gp_rect_h(w.lamp[k].cut); i++) {
             out[k].pixels += w.lamp[k].row[i].pixels;
             out[k].rays += w.lamp[k].row[i].rays;

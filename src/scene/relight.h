@@ -5,6 +5,7 @@
 #define GP_SCENE_RELIGHT_H
 
 #include "core/image.h"
+#include "glarepp.h"
 #include "scene/rays.h"
 #include "scene/scene.h"
 
@@ -39,11 +40,6 @@ struct gp_relight_pass {
     double near, far;       // distances along the view axis that it can change
 };
 
-struct gp_relit {
-    long long pixels;       // that got light
-    long long rays;
-};
-
 /* Adds the light of passes, in their order, to f->rgb:
  *
  *   albedo / pi * light_scale * intensity * colour * cos / d^2 * window * cone
@@ -61,12 +57,12 @@ struct gp_relit {
  * albedo.
  *   meshes  of this scene, kept from call to call
  *   passes  of pass[] and out[], at most GP_RELIGHT_PASSES
- *   out     facts; written on GP_OK only
+ *   out     their pixels that got light, and rays; written on GP_OK only
  * The same bits for any number of threads. Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_relight(const struct gp_log *log,
     const struct gp_scene *s, struct gp_meshes *meshes,
     const struct gp_surfaces *f, const struct gp_relight_pass *pass, int passes,
-    struct gp_relit *out);
+    struct glarepp_relit *out);
 
 // -- lights by name -----------------------------------------------------------
 
@@ -77,13 +73,6 @@ struct gp_relit_frame {
     bool up_unknown;             // nothing but the normals says which axis of
                                  // their world points up
     double light_scale;          // the frame's units a cd or lux; 0: as Blender
-};
-
-/* A light that was asked for. */
-struct gp_relit_light {
-    const char *name;              // borrowed from the scene
-    long long pixels, rays;        // that got light; cast for it
-    int casters;                   // objects that may cast its shadows
 };
 
 /* Finds the lights that are named, of which "all" is every one.
@@ -97,12 +86,12 @@ GP_MUST_CHECK gp_status gp_relit_find(const struct gp_log *log,
  * colour.
  *   s, meshes  posed; meshes are kept from call to call
  *   out        owned by the caller, gp_free(); *lit of them, in the scene's
- *              order
+ *              order; names are borrowed from it
  * Warns of lights that are named and light no pixel, and where all do. Errors:
  * GP_ERR_USAGE no such light; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_relit_add(const struct gp_log *log,
     const struct gp_scene *s, struct gp_meshes *meshes,
     const struct gp_relit_frame *f, const char *const *name, int names,
-    struct gp_relit_light **out, int *lit);
+    struct glarepp_relit **out, int *lit);
 
 #endif

@@ -112,7 +112,7 @@ struct lighting {
     const struct gp_relit_frame *f;
     struct gp_surfaces surfaces;
     struct gp_sets *sets;
-    struct gp_relit_light *out;
+    struct glarepp_relit *out;
     int lit;
     struct gp_relight_pass pass[GP_RELIGHT_PASSES]; // of the last of out[]
     int *list;                    // of casters: s->objects for each pass; owned
@@ -137,7 +137,7 @@ static void list_light(struct lighting *l, int light)
         .cut = cut.rect, .near = cut.near * (1.0 - 1e-6),
         .far = cut.far * (1.0 + 1e-6),
     };
-    l->out[l->lit++] = (struct gp_relit_light) {
+    l->out[l->lit++] = (struct glarepp_relit) {
         .name = s->light[light].name, .casters = casters,
     };
 }
@@ -145,18 +145,15 @@ static void list_light(struct lighting *l, int light)
 /* Adds the lights of a batch to the frame's colour, and empties it. */
 static gp_status add_lights(struct lighting *l)
 {
-    struct gp_relit facts[GP_RELIGHT_PASSES];
+    struct glarepp_relit *const out = l->out + l->lit - l->n;
     const gp_status st =
-        gp_relight(l->log, l->s, l->meshes, &l->surfaces, l->pass, l->n, facts);
+        gp_relight(l->log, l->s, l->meshes, &l->surfaces, l->pass, l->n, out);
     for (int i = 0; i < l->n && !st; i++) {
-        struct gp_relit_light *const o = &l->out[l->lit - l->n + i];
-        o->pixels = facts[i].pixels;
-        o->rays = facts[i].rays;
         if (gp_rect_empty(l->pass[i].cut))
             continue;
         gp_say(l->log, GP_LEVEL_INFO, "%s: %s lights %lld pixels, %d objects "
-               "may cast shadows, %lld rays", l->f->path, o->name, o->pixels,
-               o->casters, o->rays);
+               "may cast shadows, %lld rays", l->f->path, out[i].name,
+               out[i].pixels, out[i].casters, out[i].rays);
     }
     l->n = 0;
     return st;
@@ -218,7 +215,7 @@ static double nearest(const struct gp_plane *depth)
 
 gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
     struct gp_meshes *meshes, const struct gp_relit_frame *f,
-    const char *const *name, int names, struct gp_relit_light **out, int *lit)
+    const char *const *name, int names, struct glarepp_relit **out, int *lit)
 {
     struct lighting l = {
         .log = log, .s = s, .meshes = meshes, .f = f,

@@ -413,7 +413,7 @@ static void close_relit(struct relit *r)
 static void add_light(struct seen *k, const uint8_t *flag,
                       struct gp_scissor cut, int light, struct relit *r)
 {
-    struct gp_relit facts;
+    struct glarepp_relit facts;
     struct gp_relight_pass pass = {
         .light = &k->s.light[light], .light_scale = 1.0, .caster = r->caster,
         .cut = cut.rect, .near = cut.near * (1.0 - 1e-6),

@@ -77,9 +77,9 @@ static int tear_down(void **state)
     return 0;
 }
 
-static struct gp_relit add(int light, int casters, struct gp_rect cut)
+static struct glarepp_relit add(int light, int casters, struct gp_rect cut)
 {
-    struct gp_relit facts;
+    struct glarepp_relit facts;
     const struct gp_relight_pass pass = {
         .light = &scene.light[light], .light_scale = 2.0, .caster = every,
         .casters = casters, .cut = cut, .far = INFINITY,
@@ -133,7 +133,7 @@ static void light_is_that_of_the_formula(void **state)
     for (int l = 0; l < 3; l++) {
         int dark = 0, lit = 0;
         gp_planes_clear(&rgb, 0, W * H);
-        const struct gp_relit facts = add(l, 2, all);
+        const struct glarepp_relit facts = add(l, 2, all);
         for (int i = 0; i < W * H; i++) {
             const struct gp_v3 ray = gp_camera_ray(&surfaces.camera, all,
                                                    i % W + 0.5, i / W + 0.5);
@@ -355,7 +355,7 @@ static void passes_of_a_call_are_calls(void **state)
     static const struct gp_rect cuts[] = {
         {0, 0, W, H}, {5, 3, 40, 30}, {30, -4, 90, 20}, {9, 9, 9, 20}};
     struct gp_relight_pass pass[COUNT(cuts)];
-    struct gp_relit facts[COUNT(cuts)], one[COUNT(cuts)];
+    struct glarepp_relit facts[COUNT(cuts)], one[COUNT(cuts)];
     float first[3][W * H];
     made_put(&scene, made_box(&scene, 0), (struct gp_v3) {-1, 1, 0.5},
              (struct gp_v3) {0.8, 0.8, 1.0}, 30);
