@@ -22,8 +22,7 @@ struct own {
 
 /* Makes the camera; its near plane, where it has one, is the table's. */
 static gp_status find_camera(const struct gp_log *log,
-    const struct glarepp_sets_params *p, struct own *own,
-    struct gp_table_params *table)
+    struct glarepp_sets_params *p, struct own *own)
 {
     const struct gp_scene *const s = &own->scene;
     const struct gp_scene_camera *const c = gp_scene_find_camera(s, p->camera);
@@ -33,25 +32,8 @@ static gp_status find_camera(const struct gp_log *log,
         return gp_fail_at(log, GP_ERR_DATA, "sets.camera", "%s: %d cameras; "
                           "sets are those of one camera", s->path, s->cameras);
     if (c->near > 0.0)
-        table->draw.near = c->near;
+        p->near = c->near;
     return gp_scene_camera_make(log, s, c, (double) p->w / p->h, &own->camera);
-}
-
-static void fill_rows(const struct gp_table *t, struct glarepp_sets *out)
-{
-    _Static_assert(sizeof out->row / sizeof *out->row == GP_TABLE_ROWS,
-                   "all rows are copied");
-    for (int i = 0; i < GP_TABLE_ROWS; i++) {
-        const struct gp_table_row *const r = &t->row[i];
-        out->row[i] = (struct glarepp_sets_row) {
-            .name = gp_table_names[i], .visible = r->visible, .lit = r->lit,
-            .casters = r->casters, .lights = r->drawn.lights,
-            .passes = r->drawn.passes, .batches = r->drawn.batches,
-            .shadow_batches = r->drawn.shadow_batches,
-            .separate_batches = r->batches, .fragments = r->fragments,
-            .ms = r->ms, .cpu_ms = r->cpu_ms, .same = r->same,
-        };
-    }
 }
 
 /* Points *out to what `own` keeps. */
@@ -71,7 +53,8 @@ static gp_status fill(const struct gp_log *log, struct own *own,
         own->depth[i][0] = l->near;
         own->depth[i][1] = l->far;
     }
-    fill_rows(&own->table, out);
+    _Static_assert(sizeof out->row == sizeof own->table.row, "all rows");
+    memcpy(out->row, own->table.row, sizeof out->row);
     out->objects = own->scene.objects;
     out->lights = own->scene.lights;
     out->seconds = own->scene.time;
@@ -93,12 +76,6 @@ int glarepp_sets(struct glarepp *gp, const struct glarepp_sets_params *params,
     gp_status st;
     memset(out, 0, sizeof *out);
     GP_TRY(gp_api_params(&gp->log, "sets", &p, sizeof p, params));
-    struct gp_table_params table = {
-        .draw = {.w = p.w, .h = p.h, .near = p.near,
-                 .light_scale = p.light_scale, .ambient = p.ambient,
-                 .map = p.map, .separate = p.separate},
-        .runs = p.runs, .occluders = p.occluders,
-    };
     GP_TRY(gp_alloc_zero(&gp->log, "sets", 1, sizeof *own, &own));
     out->own = own;
     own->gp = gp;
@@ -106,10 +83,10 @@ int glarepp_sets(struct glarepp *gp, const struct glarepp_sets_params *params,
     own->h = p.h;
     GP_TRY(gp_api_scene_read(gp, &gp->log, p.path, p.up, &own->scene));
     gp_scene_pose(&own->scene, p.timed ? p.seconds : own->scene.start);
-    GP_TRY(find_camera(&gp->log, &p, own, &table));
+    GP_TRY(find_camera(&gp->log, &p, own));
     GP_TRY(gp_gl_open(&gp->log, (enum gp_gl_api) p.gl, &gl));
     memcpy(own->gl, gp_gl_info(gl)->name, sizeof own->gl);
-    GP_TRY(gp_table_make(&gp->log, gl, &own->scene, &own->camera, &table,
+    GP_TRY(gp_table_make(&gp->log, gl, &own->scene, &own->camera, &p,
                          &own->table));
     GP_TRY(fill(&gp->log, own, out));
 out:

@@ -345,10 +345,9 @@ static void check_shares(struct seen *k, double *rays)
  * many samples are no light. */
 static double check_drawing(const struct seen *k)
 {
-    const struct gp_table_params p = {
-        .draw = {.w = W, .h = H, .near = SHOT_NEAR, .light_scale = 1.0 / 683.0,
-                 .ambient = 0.02, .map = 64},
-        .runs = 1, .occluders = 40,
+    const struct glarepp_sets_params p = {
+        .w = W, .h = H, .near = SHOT_NEAR, .light_scale = 1.0 / 683.0,
+        .ambient = 0.02, .map = 64, .runs = 1, .occluders = 40,
     };
     struct gp_table t;
     double wrong = 0.0;

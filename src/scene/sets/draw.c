@@ -18,7 +18,7 @@ struct gp_drawing {
     const struct gp_gl *gl;
     const struct gp_scene *s;
     const struct gp_camera *c;
-    struct gp_drawing_params p;
+    struct glarepp_sets_params p;
     struct gp_box whole;       // holds every object
     struct gp_buffer vertices;
     struct run *submesh;       // a submesh of the scene
@@ -31,7 +31,7 @@ struct gp_drawing {
     struct gp_target maps[2];  // square and atlas; made when first used
     double to_clip[16];        // of the picture
     struct gp_v3 eye;
-    struct gp_drawn counts;
+    struct glarepp_sets_row *counts; // of the row that is drawn
 };
 
 enum { SPOT_IN_CUBE = 3 };
@@ -272,7 +272,7 @@ static void set_view(struct gp_drawing *d)
 
 gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_scene *s, const struct gp_camera *c,
-    const struct gp_drawing_params *p, struct gp_drawing **out)
+    const struct glarepp_sets_params *p, struct gp_drawing **out)
 {
     struct gp_drawing *d = NULL;
     gp_status st = gp_alloc_zero(log, "drawing", 1, sizeof *d, &d);
@@ -383,7 +383,7 @@ static gp_status draw_run(struct gp_drawing *d, struct run run,
     draw.uniform = in->u;
     draw.replace = draw.depth == GP_DEPTH_WRITE;
     draw.instances = draw.instances ? draw.instances : 1;
-    d->counts.batches++;
+    d->counts->batches++;
     return gp_draw_run(d->log, d->gl, &draw);
 }
 
@@ -407,7 +407,7 @@ gp_status gp_drawing_ambient(struct gp_drawing *d, const int *object, int n)
 {
     const struct gp_scene *const s = d->s;
     gp_status st = GP_OK;
-    d->counts.passes += d->counts.passes == 0;
+    d->counts->passes += d->counts->passes == 0;
     for (int i = 0; i < n; i++) {
         const struct gp_object *const o = &s->object[object[i]];
         const struct gp_mesh *const mesh = &s->mesh[o->mesh];
@@ -468,7 +468,7 @@ static gp_status draw_shadow(struct gp_drawing *d, const struct map *map,
         .instances = map->cube ? __builtin_popcount((unsigned) faces) : 1,
         .clips = map->cube ? 4 : 0,
     };
-    d->counts.shadow_batches++;
+    d->counts->shadow_batches++;
     return draw_run(d, run, &in, draw);
 }
 
@@ -484,7 +484,7 @@ static gp_status draw_map(struct gp_drawing *d, const struct gp_draw_light *l,
         GP_TRY(gp_target_make(d->log, d->gl, "map of shadows", GP_TEXEL_DEPTH, 0, w,
                               h, to));
     gp_target_clear(d->gl, to, (struct gp_rect) {0, 0, w, h});
-    d->counts.passes++;
+    d->counts->passes++;
     for (int i = 0; i < l->shadows; i++) {
         const struct gp_object *const o = &s->object[l->shadow[i]];
         const struct gp_mesh *const mesh = &s->mesh[o->mesh];
@@ -563,7 +563,7 @@ static gp_status draw_lit(struct gp_drawing *d, const struct gp_draw_light *l,
         .program = &d->light[wide ? SPOT_IN_CUBE : (int) of->kind],
         .target = &d->picture, .cut = l->cut, .depth = GP_DEPTH_SAME,
     };
-    d->counts.passes++;
+    d->counts->passes++;
     for (int i = 0; i < l->lits; i++) {
         const struct gp_object *const o = &s->object[l->lit[i]];
         const struct gp_mesh *const mesh = &s->mesh[o->mesh];
@@ -601,15 +601,15 @@ gp_status gp_drawing_light(struct gp_drawing *d, const struct gp_draw_light *l)
     gp_status st = draw_map(d, l, &map);
     if (!st)
         st = draw_lit(d, l, &map);
-    d->counts.lights++;
+    d->counts->lights++;
     return st;
 }
 
-void gp_drawing_clear(struct gp_drawing *d)
+void gp_drawing_clear(struct gp_drawing *d, struct glarepp_sets_row *counts)
 {
     gp_target_clear(d->gl, &d->picture,
                     (struct gp_rect) {0, 0, d->p.w, d->p.h});
-    d->counts = (struct gp_drawn) {0};
+    d->counts = counts;
 }
 
 void gp_drawing_depth(struct gp_drawing *d, float *z)
@@ -632,9 +632,4 @@ void gp_drawing_picture(struct gp_drawing *d, float *rgba)
 {
     gp_target_read(d->gl, &d->picture, 0,
                    (struct gp_rect) {0, 0, d->p.w, d->p.h}, rgba);
-}
-
-struct gp_drawn gp_drawing_counts(const struct gp_drawing *d)
-{
-    return d->counts;
 }

@@ -16,6 +16,7 @@
 
 #include "core/image.h"
 #include "gl/gl.h"
+#include "glarepp.h"
 #include "scene/scene.h"
 
 enum {
@@ -97,23 +98,6 @@ int gp_sets_batches(const struct gp_sets *sets, unsigned set);
 
 // -- the renderer and its table -----------------------------------------------
 
-struct gp_drawing_params {
-    int w, h;           // of the picture
-    double near;        // of the picture, > 0: surfaces nearer are not drawn
-    double light_scale; // the picture's units a cd or lux
-    double ambient;     // light that comes back from white, everywhere
-    int map;            // side of a map's square, texels, >= 8
-    bool separate;      // a shadow batch for each submesh; else one for all
-                        // opaque ones of an object (15.2.2)
-};
-
-/* Counts of what was drawn. A batch is a draw call. */
-struct gp_drawn {
-    int batches, shadow_batches; // all of them, and those of maps
-    int passes;                  // ambient pass, maps, passes of lights
-    int lights;                  // that were drawn
-};
-
 /* Rows of Table 15-1, each with all parts of those before it. */
 enum gp_table_kind {
     GP_TABLE_FRUSTUM,   // V is F; L is what a light reaches, S is L
@@ -124,29 +108,9 @@ enum gp_table_kind {
     GP_TABLE_SCISSOR,
     GP_TABLE_ROWS,
 };
-extern const char *const gp_table_names[GP_TABLE_ROWS];
-
-struct gp_table_row {
-    struct gp_drawn drawn;
-    long long fragments; // -1: the context does not count
-    double ms;           // the fastest of the runs: sets, drawing, and the wait
-                         // for it
-    double cpu_ms;       // the least of the runs, of all threads
-    int visible;         // objects of V
-    int lit, casters;    // of I and of S, summed over the lights
-    int batches;         // of V, I and S by their submeshes
-    bool same;           // its picture has the bytes of the first row's
-};
-
-struct gp_table_params {
-    struct gp_drawing_params draw;
-    int runs;      // timed runs of all rows in turn, >= 1, after one that is not
-    int occluders; // objects that are drawn first, for V by depth, >= 0: those
-                   // that look largest
-};
 
 struct gp_table {
-    struct gp_table_row row[GP_TABLE_ROWS];
+    struct glarepp_sets_row row[GP_TABLE_ROWS];
     float *picture;              // w * h * 4, scene-linear; owned
     struct gp_scissor *light;    // of the last row's lights; owned
     unsigned char *set;          // of all objects: GP_SET_*, I and S of any
@@ -155,13 +119,14 @@ struct gp_table {
 
 /* Draws all rows; every one draws the same picture.
  *   s    posed
+ *   p    of these its camera, scene and GL are not looked at
  *   out  written on GP_OK only; free with gp_table_free()
  * V by depth: the objects that look largest are drawn first, V is found by
  * their depth and drawn, and found again by the depth of the whole picture for
  * the lights. Errors: GP_ERR_GL what the context refuses; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_table_make(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_scene *s, const struct gp_camera *c,
-    const struct gp_table_params *p, struct gp_table *out);
+    const struct glarepp_sets_params *p, struct gp_table *out);
 void gp_table_free(struct gp_table *t);
 
 // -- pictures -----------------------------------------------------------------

@@ -98,11 +98,12 @@ struct gp_drawing; // a scene on a context
  * Errors: GP_ERR_GL what the context refuses; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_drawing_open(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_scene *s, const struct gp_camera *c,
-    const struct gp_drawing_params *p, struct gp_drawing **out);
+    const struct glarepp_sets_params *p, struct gp_drawing **out);
 void gp_drawing_close(struct gp_drawing **d);
 
-/* Makes the picture black and infinitely far, and sets the counts to 0. */
-void gp_drawing_clear(struct gp_drawing *d);
+/* Makes the picture black and infinitely far. Lights, passes and batches, which
+ * are draw calls, are added to *counts from then on. */
+void gp_drawing_clear(struct gp_drawing *d, struct glarepp_sets_row *counts);
 
 /* Draws objects in ambient light; may be called several times. */
 GP_MUST_CHECK gp_status gp_drawing_ambient(struct gp_drawing *d,
@@ -119,7 +120,5 @@ void gp_drawing_wait(struct gp_drawing *d);
  * is no surface; and the picture, w * h * 4, scene-linear. */
 void gp_drawing_depth(struct gp_drawing *d, float *z);
 void gp_drawing_picture(struct gp_drawing *d, float *rgba);
-
-struct gp_drawn gp_drawing_counts(const struct gp_drawing *d);
 
 #endif

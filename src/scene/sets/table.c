@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const gp_table_names[GP_TABLE_ROWS] = {
+static const char *const names[GP_TABLE_ROWS] = {
     [GP_TABLE_FRUSTUM] = "frustum",
     [GP_TABLE_OCCLUSION] = "+ occlusion",
     [GP_TABLE_LIGHTS] = "+ lights",
@@ -20,7 +20,7 @@ struct rows {
     const struct gp_log *log;
     const struct gp_gl *gl;
     const struct gp_scene *s;
-    const struct gp_table_params *p;
+    const struct glarepp_sets_params *p;
     struct gp_drawing *d;
     struct gp_sets_view view;
     struct gp_box all;  // of F
@@ -75,7 +75,7 @@ static gp_status set_order(struct rows *w)
  * square of four texels; of a sun the width of that. */
 static double texel_of(const struct rows *w)
 {
-    const double across = 2.0 * sqrt(2.0) / (w->p->draw.map - 2) * 1.05;
+    const double across = 2.0 * sqrt(2.0) / (w->p->map - 2) * 1.05;
     double widest = across; // of a cube's square
     for (int i = 0; i < w->s->lights; i++) {
         const struct gp_scene_light *const l = &w->s->light[i];
@@ -132,7 +132,7 @@ out:
 
 /* Draws a light with its sets, which are added to the row and to the table. */
 static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
-                            bool last, struct gp_table_row *row)
+                            bool last, struct glarepp_sets_row *row)
 {
     const int n = w->s->objects;
     const struct gp_scissor cut = gp_sets_light(sets, light);
@@ -152,7 +152,7 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
     };
     row->lit += l.lits;
     row->casters += l.shadows;
-    row->batches += gp_sets_batches(sets, GP_SET_I) +
+    row->separate_batches += gp_sets_batches(sets, GP_SET_I) +
                     gp_sets_batches(sets, GP_SET_S);
     const uint8_t *const flag = gp_sets_flags(sets);
     for (int i = 0; i < n && last; i++)
@@ -162,19 +162,18 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
 
 /* Draws the picture of a row once. */
 static gp_status draw_row(struct rows *w, enum gp_table_kind kind,
-                          struct gp_table_row *row)
+                          struct glarepp_sets_row *row)
 {
     const unsigned use = (1u << kind) - 1u; // a part more than the row before
     struct gp_sets *sets = NULL;
     gp_status st;
-    *row = (struct gp_table_row) {.fragments = -1};
-    gp_drawing_clear(w->d);
+    *row = (struct glarepp_sets_row) {.name = names[kind], .fragments = -1};
+    gp_drawing_clear(w->d, row);
     GP_TRY(draw_visible(w, use, &sets));
     row->visible = list_set(w, sets, GP_SET_V, 0, w->s->objects, w->list);
-    row->batches = gp_sets_batches(sets, GP_SET_V);
+    row->separate_batches = gp_sets_batches(sets, GP_SET_V);
     for (int i = 0; i < w->s->lights; i++)
         GP_TRY(draw_light(w, sets, i, kind == GP_TABLE_SCISSOR, row));
-    row->drawn = gp_drawing_counts(w->d);
 out:
     gp_sets_close(&sets);
     return st;
@@ -184,9 +183,9 @@ out:
 static gp_status count_row(struct rows *w, enum gp_table_kind kind,
                            const float *first, float *picture)
 {
-    struct gp_table_row *const row = &w->out->row[kind];
-    const size_t bytes = 4 * sizeof *picture * (size_t) w->p->draw.w *
-                         (size_t) w->p->draw.h;
+    struct glarepp_sets_row *const row = &w->out->row[kind];
+    const size_t bytes = 4 * sizeof *picture * (size_t) w->p->w *
+                         (size_t) w->p->h;
     gp_count_begin(w->gl);
     const gp_status st = draw_row(w, kind, row);
     row->fragments = gp_count_end(w->gl);
@@ -204,7 +203,7 @@ static gp_status time_rows(struct rows *w)
     for (int run = 0; run < w->p->runs; run++) {
         for (int i = 0; i < GP_TABLE_ROWS && !st; i++) {
             const int kind = (i + run) % GP_TABLE_ROWS;
-            struct gp_table_row timed, *const row = &w->out->row[kind];
+            struct glarepp_sets_row timed, *const row = &w->out->row[kind];
             const double start = gp_now_ms(), cpu = gp_cpu_ms();
             st = draw_row(w, (enum gp_table_kind) kind, &timed);
             gp_drawing_wait(w->d);
@@ -236,17 +235,17 @@ static gp_status find_all(struct rows *w)
 
 gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_scene *s, const struct gp_camera *c,
-    const struct gp_table_params *p, struct gp_table *out)
+    const struct glarepp_sets_params *p, struct gp_table *out)
 {
     const size_t objects = (size_t) s->objects + 1;
-    const size_t pixels = (size_t) p->draw.w * (size_t) p->draw.h;
+    const size_t pixels = (size_t) p->w * (size_t) p->h;
     struct gp_table t = {0};
     struct rows w = {.log = log, .gl = gl, .s = s, .p = p, .out = &t};
     float *other = NULL;
     gp_status st;
     w.view = (struct gp_sets_view) {
-        .camera = *c, .display = {0, 0, p->draw.w, p->draw.h},
-        .window = {0, 0, p->draw.w, p->draw.h}, .near = p->draw.near,
+        .camera = *c, .display = {0, 0, p->w, p->h},
+        .window = {0, 0, p->w, p->h}, .near = p->near,
     };
     GP_TRY(gp_alloc(log, "order of objects", objects, sizeof(int), &w.order));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.list));
@@ -261,7 +260,7 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(find_all(&w));
     w.view.texel = texel_of(&w);
     GP_TRY(set_order(&w));
-    GP_TRY(gp_drawing_open(log, gl, s, c, &p->draw, &w.d));
+    GP_TRY(gp_drawing_open(log, gl, s, c, p, &w.d));
     for (int i = 0; i < GP_TABLE_ROWS; i++)
         GP_TRY(count_row(&w, (enum gp_table_kind) i, i ? t.picture : NULL,
                          i ? other : t.picture));

@@ -8,10 +8,9 @@
 static void rows_draw_the_same_picture(void **state)
 {
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_table_params p = {
-        .draw = {.w = 128, .h = 80, .near = 0.1, .light_scale = 1.0,
-                 .ambient = 0.02, .map = 96},
-        .runs = 1, .occluders = 12,
+    struct glarepp_sets_params p = {
+        .w = 128, .h = 80, .near = 0.1, .light_scale = 1.0, .ambient = 0.02,
+        .map = 96, .runs = 1, .occluders = 12,
     };
     int first = 0, last = 0;
     for (uint64_t k = 0; k < 8; k++) {
@@ -21,23 +20,23 @@ static void rows_draw_the_same_picture(void **state)
         const struct gp_camera c = made_camera(&s, eye, (struct gp_v3) {0, 0, 3},
                                                50.0, 1.6);
         struct gp_table t = {0};
-        p.draw.separate = k == 3;
+        p.separate = k == 3;
         if (gp_table_make(&kept_log, gl, &s, &c, &p, &t) != GP_OK)
             fail_msg("%s", kept_line);
         for (int i = 0; i < GP_TABLE_ROWS; i++) {
-            const struct gp_table_row *const r = &t.row[i];
+            const struct glarepp_sets_row *const r = &t.row[i];
             if (!r->same)
                 fail_msg("seed %d: row %s draws another picture", (int) k,
-                         gp_table_names[i]);
-            assert_true(r->ms > 0.0 && r->drawn.lights <= 5);
+                         r->name);
+            assert_true(r->ms > 0.0 && r->lights <= 5);
             assert_true(i == 0 || r->visible <= t.row[i - 1].visible);
             assert_true(i == 0 || r->lit <= t.row[i - 1].lit);
             assert_true(i == 0 || r->casters <= t.row[i - 1].casters);
-            assert_true(i < 2 || r->drawn.batches <= t.row[i - 1].drawn.batches);
+            assert_true(i < 2 || r->batches <= t.row[i - 1].batches);
             assert_true((r->fragments < 0) == (t.row[0].fragments < 0));
         }
-        first += t.row[0].drawn.batches;
-        last += t.row[GP_TABLE_ROWS - 1].drawn.batches;
+        first += t.row[0].batches;
+        last += t.row[GP_TABLE_ROWS - 1].batches;
         gp_table_free(&t);
         assert_null(t.picture);
         made_free(&s);
@@ -53,9 +52,8 @@ static void light_grazes_slabs(void **state)
 {
     static const struct gp_box world = {{-9, -9, -4}, {9, 9, 4}};
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_table_params p = {
-        .draw = {.w = 160, .h = 90, .near = 0.1, .light_scale = 1.0,
-                 .ambient = 0.02},
+    struct glarepp_sets_params p = {
+        .w = 160, .h = 90, .near = 0.1, .light_scale = 1.0, .ambient = 0.02,
         .runs = 1, .occluders = 40,
     };
     int first = 0, last = 0;
@@ -80,13 +78,13 @@ static void light_grazes_slabs(void **state)
             &s, (struct gp_v3) {0, -22, 6}, (struct gp_v3) {0, 0, 0}, 50.0,
             16.0 / 9.0);
         struct gp_table t = {0};
-        p.draw.map = 64 << (k % 3);
+        p.map = 64 << (k % 3);
         if (gp_table_make(&kept_log, gl, &s, &c, &p, &t) != GP_OK)
             fail_msg("%s", kept_line);
         for (int i = 0; i < GP_TABLE_ROWS; i++) {
             if (!t.row[i].same)
                 fail_msg("seed %d: row %s draws another picture", (int) k,
-                         gp_table_names[i]);
+                         t.row[i].name);
         }
         first += t.row[0].lit;
         last += t.row[GP_TABLE_ROWS - 1].lit;
