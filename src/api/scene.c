@@ -49,7 +49,7 @@ gp_status gp_api_scene_read(struct glarepp *gp, const struct gp_log *log,
                             struct gp_scene *out)
 {
     const struct gp_scene_images images = {gp, read_alpha};
-    return gp_scene_read(log, path, (enum gp_up) up,
+    return gp_scene_read(log, path, up,
                          gp->params.picture ? &images : NULL, out);
 }
 

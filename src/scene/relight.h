@@ -5,7 +5,6 @@
 #define GP_SCENE_RELIGHT_H
 
 #include "core/image.h"
-#include "glarepp.h"
 #include "scene/rays.h"
 #include "scene/scene.h"
 

@@ -12,19 +12,12 @@
 
 #include "core/camera.h"
 #include "core/status.h"
+#include "glarepp.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
 enum { GP_SCENE_NAME = 64 }; // bytes of a name, with its null byte
-
-/* The axis of the frame's world that points up. */
-enum gp_up {
-    GP_UP_AUTO, // by the frame's camera, where it agrees with the scene's
-                // better; else Y
-    GP_UP_Y,    // as glTF
-    GP_UP_Z,    // Blender: glTF's (x, y, z) is (x, -z, y) here
-};
 
 /* An axis-aligned box; empty when lo.x > hi.x. */
 struct gp_box {

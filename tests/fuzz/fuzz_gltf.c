@@ -56,7 +56,7 @@ static void use_scene(struct gp_scene *s)
     static const struct gp_rect display = {0, 0, 8, 6};
     struct gp_camera camera;
     check_scene(s);
-    gp_scene_turn(s, GP_UP_Z);
+    gp_scene_turn(s, GLAREPP_UP_Z);
     for (int k = -1; k <= 3; k++) {
         gp_scene_pose(s, s->start + (s->end - s->start) * (double) k / 2.0);
         check_scene(s);
@@ -65,8 +65,8 @@ static void use_scene(struct gp_scene *s)
         if (fuzz_line(gp_scene_camera_make(&fuzz_log, s, &s->camera[i], 1.5,
                                            &camera)))
             continue;
-        const enum gp_up up = gp_scene_find_up(s, &camera);
-        if ((up != GP_UP_Y && up != GP_UP_Z) ||
+        const enum glarepp_up up = gp_scene_find_up(s, &camera);
+        if ((up != GLAREPP_UP_Y && up != GLAREPP_UP_Z) ||
             isnan(gp_scene_apart(s, &camera, &camera, display)))
             abort();
     }
@@ -81,7 +81,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct gp_scene s = {0};
     fuzz_begin();
     if (path &&
-        !fuzz_line(gp_scene_read(&fuzz_log, path, GP_UP_AUTO, &images, &s))) {
+        !fuzz_line(gp_scene_read(&fuzz_log, path, GLAREPP_UP_AUTO, &images,
+                                 &s))) {
         use_scene(&s);
         gp_scene_free(&s);
     }

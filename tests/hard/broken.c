@@ -14,7 +14,7 @@ static int count_faults(const char *file, gp_status status, const char *part)
 {
     struct gp_scene s = {.objects = 77};
     kept_clear();
-    const gp_status st = gp_scene_read(&kept_log, file, GP_UP_Y, NULL, &s);
+    const gp_status st = gp_scene_read(&kept_log, file, GLAREPP_UP_Y, NULL, &s);
     int faults = status != EITHER && st != status;
     if (st == GP_OK) {
         for (int i = 0; i < s.objects; i++)

@@ -94,7 +94,7 @@ static inline void gm_refused(const char *file, gp_status status,
                               const char *part)
 {
     struct gp_scene s = {.objects = 77};
-    const gp_status st = gp_scene_read(&kept_log, file, GP_UP_Y, NULL, &s);
+    const gp_status st = gp_scene_read(&kept_log, file, GLAREPP_UP_Y, NULL, &s);
     if (st != status || kept_errors != 1)
         fail_msg("status %d, %d lines (%s); expected %d with \"%s\"", (int) st,
                  kept_errors, kept_line, (int) status, part);
@@ -103,7 +103,7 @@ static inline void gm_refused(const char *file, gp_status status,
 }
 
 /* Reads a file without its images. */
-static inline struct gp_scene gm_read(const char *file, enum gp_up up)
+static inline struct gp_scene gm_read(const char *file, enum glarepp_up up)
 {
     struct gp_scene s = {0};
     const gp_status st = gp_scene_read(&kept_log, file, up, NULL, &s);

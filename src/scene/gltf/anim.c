@@ -328,10 +328,10 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
         camera_from(nodes->at[s->camera[i].node].world, s->camera[i].to_camera);
 }
 
-void gp_scene_turn(struct gp_scene *s, enum gp_up up)
+void gp_scene_turn(struct gp_scene *s, enum glarepp_up up)
 {
     if (s->nodes) {
-        s->nodes->turned = up == GP_UP_Z;
+        s->nodes->turned = up == GLAREPP_UP_Z;
         gp_scene_pose(s, s->time);
     }
 }

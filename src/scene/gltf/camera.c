@@ -119,8 +119,8 @@ static double camera_distance(const struct gp_scene_camera *c, bool turned,
            gp_v3_length(gp_v3_sub(view, axis));
 }
 
-enum gp_up gp_scene_find_up(const struct gp_scene *s,
-                            const struct gp_camera *frame)
+enum glarepp_up gp_scene_find_up(const struct gp_scene *s,
+                                 const struct gp_camera *frame)
 {
     const double *const f = frame->to_ndc;
     const double across = diagonal(s);
@@ -130,11 +130,11 @@ enum gp_up gp_scene_find_up(const struct gp_scene *s,
         z = fmin(z, camera_distance(&s->camera[i], true, frame, across));
     }
     if (s->cameras)
-        return z < y ? GP_UP_Z : GP_UP_Y;
+        return z < y ? GLAREPP_UP_Z : GLAREPP_UP_Y;
     // the picture's y grows downwards: without the part along the axis
     const struct gp_v3 w = gp_v3_unit(gp_column(f, 3));
     const struct gp_v3 down = gp_column(f, 1);
     const struct gp_v3 side =
         gp_v3_sub(down, gp_v3_scale(w, gp_v3_dot(down, w)));
-    return fabs(side.z) > fabs(side.y) ? GP_UP_Z : GP_UP_Y;
+    return fabs(side.z) > fabs(side.y) ? GLAREPP_UP_Z : GLAREPP_UP_Y;
 }

@@ -21,7 +21,8 @@ struct gp_scene_images {
 /* Reads a scene: .glb, or .gltf with buffers in data URIs and at most one file
  * beside it. It is posed at its first key.
  *
- *   up      axis of the frame's world; GP_UP_AUTO is Y until gp_scene_turn()
+ *   up      axis of the frame's world that points up; AUTO is Y until
+ *           gp_scene_turn(). Z, Blender's: glTF's (x, y, z) is (x, -z, y) here
  *   images  of cut-out materials; NULL: they count as opaque, with a warning
  *   out     written on GP_OK only; gp_scene_free()
  *
@@ -40,7 +41,7 @@ struct gp_scene_images {
  * meshopt); GP_ERR_BUG out of memory; those of
  * `images`. */
 GP_MUST_CHECK gp_status gp_scene_read(
-    const struct gp_log *log, const char *path, enum gp_up up,
+    const struct gp_log *log, const char *path, enum glarepp_up up,
     const struct gp_scene_images *images, struct gp_scene *out);
 
 /* Places objects, lights and cameras at a time in seconds; before the first
@@ -48,14 +49,14 @@ GP_MUST_CHECK gp_status gp_scene_read(
  * 1e15 either way is at the origin with size 0. */
 void gp_scene_pose(struct gp_scene *s, double seconds);
 
-/* Turns a scene that was read with GP_UP_AUTO, and poses it anew. */
-void gp_scene_turn(struct gp_scene *s, enum gp_up up);
+/* Turns a scene that was read with AUTO, and poses it anew. */
+void gp_scene_turn(struct gp_scene *s, enum glarepp_up up);
 
-/* Returns the axis for GP_UP_AUTO: the one by which a camera of the scene, as
- * posed, is nearer to the frame's; without cameras in the scene the one of the
+/* Returns the axis for AUTO: the one by which a camera of the scene, as posed,
+ * is nearer to the frame's; without cameras in the scene the one of the
  * world that is nearer to the picture's upright. */
-enum gp_up gp_scene_find_up(const struct gp_scene *s,
-                            const struct gp_camera *frame);
+enum glarepp_up gp_scene_find_up(const struct gp_scene *s,
+                                 const struct gp_camera *frame);
 
 /* Returns the camera of that name, else the one whose node has that number, or
  * of name NULL the only one; NULL: none, or more than one of the name. */

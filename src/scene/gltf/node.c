@@ -359,7 +359,8 @@ static void warn_of_odd(const struct gp_gltf *g)
 }
 
 gp_status gp_scene_read(const struct gp_log *log, const char *path,
-                        enum gp_up up, const struct gp_scene_images *images,
+                        enum glarepp_up up,
+                        const struct gp_scene_images *images,
                         struct gp_scene *out)
 {
     struct gp_gltf g = {0};
@@ -375,7 +376,7 @@ gp_status gp_scene_read(const struct gp_log *log, const char *path,
     GP_TRY(gp_gltf_animations(&g, &s));
     GP_TRY(place_all(&g, &s));
     warn_of_odd(&g);
-    s.nodes->turned = up == GP_UP_Z;
+    s.nodes->turned = up == GLAREPP_UP_Z;
     gp_scene_pose(&s, s.start);
     *out = s;
     s = (struct gp_scene) {0}; // the caller's

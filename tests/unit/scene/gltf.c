@@ -31,7 +31,8 @@ static void a_node_is_scaled_turned_and_moved_after_its_parent(void **state)
         gm_write(TRIANGLE ", 'nodes': [{'children': [1], 'rotation': [0, "
                  "0.70710678118654752, 0, 0.70710678118654752], 'translation': "
                  "[0, 10, 0]}, {'mesh': 0, 'scale': [3, 1, 1], 'translation': "
-                 "[5, 0, 0]}]", TRIANGLE_URIS), GP_UP_Y);
+                 "[5, 0, 0]}]", TRIANGLE_URIS),
+        GLAREPP_UP_Y);
     assert_int_equal(s.objects, 1);
     assert_int_equal(s.indices, 3);
     assert_int_equal(s.vertices, 3);
@@ -46,7 +47,8 @@ static void a_matrix_is_read_by_columns(void **state)
 {
     struct gp_scene s = gm_read(
         gm_write(TRIANGLE ", 'nodes': [{'mesh': 0, 'matrix': [0,1,0,0, -1,0,0,"
-                 "0, 0,0,1,0, 7,8,9,1]}]", TRIANGLE_URIS), GP_UP_Y);
+                 "0, 0,0,1,0, 7,8,9,1]}]", TRIANGLE_URIS),
+        GLAREPP_UP_Y);
     assert_at(s.object[0].box.lo, 5, 8, 9);
     assert_at(s.object[0].box.hi, 7, 9, 9);
     gp_scene_free(&s);
@@ -56,12 +58,12 @@ static void z_up_turns_the_world(void **state)
 {
     struct gp_scene s = gm_read(
         gm_write(TRIANGLE ", 'nodes': [{'mesh': 0, 'translation': [1, 2, 3]}]",
-                 TRIANGLE_URIS), GP_UP_AUTO);
+                 TRIANGLE_URIS), GLAREPP_UP_AUTO);
     assert_at(s.object[0].box.lo, 1, 2, 3);
-    gp_scene_turn(&s, GP_UP_Z);
+    gp_scene_turn(&s, GLAREPP_UP_Z);
     assert_at(s.object[0].box.lo, 1, -3, 2);
     assert_at(s.object[0].box.hi, 2, -3, 4);
-    gp_scene_turn(&s, GP_UP_Y);
+    gp_scene_turn(&s, GLAREPP_UP_Y);
     assert_at(s.object[0].box.lo, 1, 2, 3);
     gp_scene_free(&s);
 }
@@ -71,7 +73,8 @@ static void only_the_nodes_of_the_scene_are_placed(void **state)
     struct gp_scene s = gm_read(
         gm_write(TRIANGLE ", 'nodes': [{'mesh': 0}, {'children': [2]}, {'mesh'"
                  ": 0, 'name': 'in'}, {'mesh': 0}], 'scene': 1, 'scenes': [{"
-                 "'nodes': [0, 3]}, {'nodes': [1]}]", TRIANGLE_URIS), GP_UP_Y);
+                 "'nodes': [0, 3]}, {'nodes': [1]}]", TRIANGLE_URIS),
+        GLAREPP_UP_Y);
     assert_int_equal(s.objects, 1);
     assert_int_equal(s.object[0].node, 2);
     gp_scene_free(&s);
@@ -88,7 +91,7 @@ static void lights_have_the_defaults_of_their_extension(void **state)
                  ", {'name': 'a', 'extensions': {'KHR_lights_punctual': {'light"
                  "': 0}}}, {'name': 'b', 'extensions': {'KHR_lights_punctual': "
                  "{'light': 1}}, 'rotation': [0, 1, 0, 0]}, {'extensions': {"
-                 "'KHR_lights_punctual': {'light': 2}}}]"), GP_UP_Y);
+                 "'KHR_lights_punctual': {'light': 2}}}]"), GLAREPP_UP_Y);
     assert_int_equal(s.lights, 4);
     assert_int_equal(s.light[0].kind, GP_LIGHT_POINT);
     assert_string_equal(s.light[0].name, "bulb"); // the light's: no node's name
@@ -124,7 +127,7 @@ static void numbers_are_strided_normalised_and_sparse(void **state)
                  " 'componentType': 5121}, 'values': {'bufferView': 2}}}], "
                  "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}"
                  "], 'nodes': [{'mesh': 0}]", gm_uri(bytes, 12),
-                 gm_uri(where, 1), gm_uri(with, 3)), GP_UP_Y);
+                 gm_uri(where, 1), gm_uri(with, 3)), GLAREPP_UP_Y);
     static const float expected[9] = {1, -1, 0, 0, 0, 1, -1, 64.0f / 127, 0};
     assert_memory_equal(s.position, expected, sizeof expected);
     gp_scene_free(&s);
@@ -144,7 +147,7 @@ static void strips_and_fans_become_triangles(void **state)
                      "'count': 4, 'type': 'VEC3'}], 'meshes': [{'primitives': "
                      "[{'mode': %d, 'attributes': {'POSITION': 0}}]}], "
                      "'nodes': [{'mesh': 0}]", gm_uri(four, 48), mode),
-            GP_UP_Y);
+            GLAREPP_UP_Y);
         assert_int_equal(s.indices, 6);
         assert_memory_equal(s.index, expected[mode - 5], sizeof expected[0]);
         gp_scene_free(&s);
@@ -155,7 +158,8 @@ static void primitives_share_vertices_and_have_boxes_of_their_own(void **state)
 {
     struct gp_scene s = gm_read(
         gm_write(TRIANGLE ", 'nodes': [{'mesh': 0}, {'mesh': 0}]",
-                 TRIANGLE_URIS), GP_UP_Y);
+                 TRIANGLE_URIS),
+        GLAREPP_UP_Y);
     assert_int_equal(s.objects, 2);
     assert_int_equal(s.vertices, 3);
     assert_int_equal(s.submeshes, 1);
@@ -168,7 +172,7 @@ static void primitives_share_vertices_and_have_boxes_of_their_own(void **state)
 static void a_glb_has_its_buffer_in_its_second_chunk(void **state)
 {
     struct gp_scene s = gm_read(gm_write_glb(GM_GLB_JSON, corners, 36, 0),
-                                   GP_UP_Y);
+                                   GLAREPP_UP_Y);
     assert_memory_equal(s.position, corners, sizeof corners);
     gp_scene_free(&s);
     gm_refused(gm_write_glb(GM_GLB_JSON, corners, 32, 0), GP_ERR_DATA, "truncated");
@@ -188,7 +192,7 @@ static void a_gltf_has_one_file_beside_it(void **state)
         "'primitives': [{'attributes': {'POSITION': 0}}]}], 'nodes': [{'mesh':"
         " 0}]";
     gm_write_bytes("a b.bin", corners, 36);
-    struct gp_scene s = gm_read(gm_write(json, "a%20b.bin"), GP_UP_Y);
+    struct gp_scene s = gm_read(gm_write(json, "a%20b.bin"), GLAREPP_UP_Y);
     assert_memory_equal(s.position, corners, sizeof corners);
     gp_scene_free(&s);
     gm_refused(gm_write(json, "no.bin"), GP_ERR_IO, "no.bin");
@@ -226,7 +230,8 @@ static void skins_and_targets_warn_once(void **state)
 {
     struct gp_scene s = gm_read(
         gm_write(TRIANGLE ", 'nodes': [{'mesh': 0, 'skin': 0}, {'mesh': 0, "
-                 "'skin': 0}], 'skins': [{}]", TRIANGLE_URIS), GP_UP_Y);
+                 "'skin': 0}], 'skins': [{}]", TRIANGLE_URIS),
+        GLAREPP_UP_Y);
     assert_int_equal(kept_lines, 1);
     assert_non_null(strstr(kept_warning, "skins are not supported"));
     gp_scene_free(&s);
@@ -240,7 +245,7 @@ static void instances_and_hidden_nodes_warn_once(void **state)
                  "': {'attributes': {}}}}, {'mesh': 0, 'extensions': {"
                  "'EXT_mesh_gpu_instancing': {}}}, {'extensions': {"
                  "'KHR_node_visibility': {'visible': true}}}]", TRIANGLE_URIS),
-        GP_UP_Y);
+        GLAREPP_UP_Y);
     assert_int_equal(kept_lines, 1);
     assert_non_null(strstr(kept_warning, "EXT_mesh_gpu_instancing"));
     gp_scene_free(&s);
@@ -248,7 +253,7 @@ static void instances_and_hidden_nodes_warn_once(void **state)
     s = gm_read(
         gm_write(TRIANGLE ", 'nodes': [{'mesh': 0, 'extensions': {"
                  "'KHR_node_visibility': {'visible': false}}}]", TRIANGLE_URIS),
-        GP_UP_Y);
+        GLAREPP_UP_Y);
     assert_int_equal(kept_lines, 1);
     assert_non_null(strstr(kept_warning, "KHR_node_visibility"));
     gp_scene_free(&s);
@@ -278,7 +283,7 @@ static void indices_are_sparse(void **state)
             gm_refused(file, GP_ERR_DATA, "replaces element 9 of 3");
             break;
         }
-        struct gp_scene s = gm_read(file, GP_UP_Y);
+        struct gp_scene s = gm_read(file, GLAREPP_UP_Y);
         assert_int_equal(s.indices, 3);
         assert_int_equal(s.index[0], 0);
         assert_int_equal(s.index[1], 2);
@@ -292,7 +297,7 @@ static void places_out_of_range_are_at_the_origin(void **state)
     struct gp_scene s = gm_read(
         gm_write(TRIANGLE ", 'nodes': [{'scale': [1e14, 1e14, 1e14], 'children'"
                  ": [1]}, {'scale': [1e14, 1, 1], 'mesh': 0}]", TRIANGLE_URIS),
-        GP_UP_Y);
+        GLAREPP_UP_Y);
     assert_at(s.object[0].box.lo, 0, 0, 0);
     assert_at(s.object[0].box.hi, 0, 0, 0);
     gp_scene_free(&s);
@@ -341,7 +346,7 @@ static struct gp_scene moved(const char *way, const char *prop,
                  "'target': {'node': 0, 'path': '%s'}}], 'samplers': [{'input':"
                  " 0, 'output': 1, 'interpolation': '%s'}]}]",
                  gm_uri(times, 8), gm_uri(values, (size_t) n * 4), 4 * n, 4 * n,
-                 count, type, prop, way), GP_UP_Y);
+                 count, type, prop, way), GLAREPP_UP_Y);
 }
 
 static void keys_step_and_run_straight(void **state)
@@ -410,7 +415,8 @@ static void full_memory_is_one_line_and_keeps_nothing(void **state)
     for (;; n++) {
         kept_clear();
         fail_at(FAIL_ALLOC, n);
-        const gp_status st = gp_scene_read(&kept_log, file, GP_UP_Y, NULL, &s);
+        const gp_status st =
+            gp_scene_read(&kept_log, file, GLAREPP_UP_Y, NULL, &s);
         if (!fail_end()) {
             assert_ok(st);
             break;
@@ -435,7 +441,7 @@ static void cameras_of_one_name_are_told_apart_by_node(void **state)
         gm_write("'cameras': [{'type': 'perspective', 'perspective': {'yfov': "
                  "1, 'znear': 0.1}}], 'nodes': [{}, {'camera': 0, 'name': "
                  "'Cam'}, {'camera': 0, 'name': 'Cam'}, {'camera': 0, 'name': "
-                 "'other'}]"), GP_UP_Y);
+                 "'other'}]"), GLAREPP_UP_Y);
     assert_null(gp_scene_find_camera(&s, "Cam"));
     assert_int_equal(gp_scene_no_camera(&kept_log, &s, "Cam"), GP_ERR_USAGE);
     assert_non_null(strstr(kept_line, "2 cameras"));
@@ -455,7 +461,7 @@ static void cameras_project_and_are_compared(void **state)
         gm_write("'cameras': [{'type': 'perspective', 'perspective': {'yfov': "
                  "1.5707963267948966, 'znear': 0.1}}, {'type': 'orthographic'}]"
                  ", 'nodes': [{'camera': 0, 'name': 'main', 'translation': [0, "
-                 "0, 5], 'scale': [2, 2, 2]}, {'camera': 1}]"), GP_UP_Y);
+                 "0, 5], 'scale': [2, 2, 2]}, {'camera': 1}]"), GLAREPP_UP_Y);
     assert_int_equal(s.cameras, 1);
     assert_non_null(strstr(kept_warning, "orthographic"));
     assert_null(gp_scene_find_camera(&s, "other"));
@@ -472,14 +478,14 @@ static void cameras_project_and_are_compared(void **state)
     for (int i = 0; i < 4; i++)
         b.to_ndc[4 * i] += 0.01 * b.to_ndc[4 * i + 3];
     assert_true(fabs(gp_scene_apart(&s, &a, &b, display) - 2.0) < 1e-9);
-    assert_int_equal(gp_scene_find_up(&s, &a), GP_UP_Y);
-    gp_scene_turn(&s, GP_UP_Z);
+    assert_int_equal(gp_scene_find_up(&s, &a), GLAREPP_UP_Y);
+    gp_scene_turn(&s, GLAREPP_UP_Z);
     assert_ok(gp_scene_camera_make(&kept_log, &s, s.camera, 2.0, &b));
-    gp_scene_turn(&s, GP_UP_Y);
-    assert_int_equal(gp_scene_find_up(&s, &b), GP_UP_Z);
+    gp_scene_turn(&s, GLAREPP_UP_Y);
+    assert_int_equal(gp_scene_find_up(&s, &b), GLAREPP_UP_Z);
     s.cameras = 0; // then by the picture's upright
-    assert_int_equal(gp_scene_find_up(&s, &a), GP_UP_Y);
-    assert_int_equal(gp_scene_find_up(&s, &b), GP_UP_Z);
+    assert_int_equal(gp_scene_find_up(&s, &a), GLAREPP_UP_Y);
+    assert_int_equal(gp_scene_find_up(&s, &b), GLAREPP_UP_Z);
     s.cameras = 1;
     gp_scene_free(&s);
 }

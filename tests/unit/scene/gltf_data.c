@@ -36,8 +36,8 @@ static void check_scene(const char *name, int triangles, int objects)
     snprintf(file, sizeof file, "scenes/%s.glb", name);
     if (access(data_path(file), R_OK) != 0)
         skip_for(NO_DATA);
-    assert_ok(gp_scene_read(&kept_log, data_path(file), GP_UP_AUTO, &images,
-                            &s));
+    assert_ok(gp_scene_read(&kept_log, data_path(file), GLAREPP_UP_AUTO,
+                            &images, &s));
     assert_int_equal(kept_lines, 0);
     long long placed = 0;
     for (int i = 0; i < s.objects; i++) {
@@ -50,7 +50,7 @@ static void check_scene(const char *name, int triangles, int objects)
     snprintf(file, sizeof file, "scenes/%s.camera.json", name);
     json_t *const root = json_load_file(data_path(file), 0, NULL), *o;
     assert_non_null(root);
-    gp_scene_turn(&s, GP_UP_Z);
+    gp_scene_turn(&s, GLAREPP_UP_Z);
     size_t k;
     json_array_foreach (json_object_get(root, "lamps"), k, o) {
         const char *const lamp =
@@ -109,8 +109,8 @@ static void definitions_alone_are_a_scene_of_nothing(void **state)
             skip_for(NO_DATA);
         struct gp_scene s = {0};
         kept_clear();
-        assert_ok(gp_scene_read(&kept_log, data_path(files[i]), GP_UP_Y, NULL,
-                                &s));
+        assert_ok(gp_scene_read(&kept_log, data_path(files[i]), GLAREPP_UP_Y,
+                                NULL, &s));
         assert_int_equal(s.lights + s.cameras + s.objects, 0);
         gp_scene_free(&s);
     }

@@ -65,7 +65,7 @@ static void cutouts_are_moved(void **state)
              "'TEXCOORD_1': 2}}, {'material': 2, 'attributes': {'POSITION': 0, "
              "'TEXCOORD_0': 1}}]}]",
              gm_uri(place, sizeof place), gm_uri(uv, sizeof uv));
-    assert_ok(gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s));
+    assert_ok(gp_scene_read(&kept_log, path, GLAREPP_UP_Y, &images, &s));
     assert_int_equal(s.submeshes, 3);
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 6; i++) {
@@ -96,7 +96,7 @@ static void alpha_of_vertices_is_a_warning_on_cutouts(void **state)
                  "'%s'}], 'materials': [{'alphaMode': '%s'}], 'meshes': "
                  "[{'primitives': [{'material': 0, 'attributes': {'POSITION': "
                  "0, 'COLOR_0': 1}}]}]",
-                 gm_uri(corners, 36), row[i].type, row[i].mode), GP_UP_Y);
+                 gm_uri(corners, 36), row[i].type, row[i].mode), GLAREPP_UP_Y);
         assert_int_equal(strstr(kept_warning, "(COLOR_0) is not read") != NULL,
                          row[i].warns);
         gp_scene_free(&s);
@@ -124,7 +124,7 @@ static void glass_hides_nothing(void **state)
         struct gp_scene s = gm_read(gm_write(
                  "'extensionsRequired': ['KHR_materials_transmission'], "
                  "'materials': [{'extensions': {'KHR_materials_transmission': "
-                 "{%s}}}]", row[i].glass), GP_UP_Y);
+                 "{%s}}}]", row[i].glass), GLAREPP_UP_Y);
         assert_int_equal(gp_material_gone(&s.material[0]), row[i].gone);
         assert_int_equal(strstr(kept_warning, "hides all light, other glass "
                                 "none") != NULL, row[i].warns);
@@ -134,7 +134,7 @@ static void glass_hides_nothing(void **state)
     gm_write("'materials': [{'extensions': {'KHR_materials_transmission': "
              "{'transmissionFactor': 2}}}]");
     struct gp_scene s;
-    assert_int_equal(gp_scene_read(&kept_log, path, GP_UP_Y, NULL, &s),
+    assert_int_equal(gp_scene_read(&kept_log, path, GLAREPP_UP_Y, NULL, &s),
                      GP_ERR_DATA);
     assert_non_null(strstr(kept_line, "transmissionFactor"));
 }
@@ -150,7 +150,7 @@ static void an_image_is_read_once_for_all_textures(void **state)
              "'textures': [{'source': 0, 'sampler': 0}, {'source': 0}], "
              "'samplers': [{'wrapS': 33071}], 'images': [{'uri': "
              "'data:image/png;base64,UE5H'}]");
-    assert_ok(gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s));
+    assert_ok(gp_scene_read(&kept_log, path, GLAREPP_UP_Y, &images, &s));
     assert_int_equal(p.calls, 1);
     assert_int_equal(s.cutouts, 2);
     assert_ptr_equal(s.cutout[0].alpha, s.cutout[1].alpha);
@@ -159,7 +159,7 @@ static void an_image_is_read_once_for_all_textures(void **state)
     assert_int_equal(s.cutout[1].wrap[0], GP_WRAP_REPEAT);
     gp_scene_free(&s);
     p.wide = (1 << 24) + 1;
-    gp_status st = gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s);
+    gp_status st = gp_scene_read(&kept_log, path, GLAREPP_UP_Y, &images, &s);
     assert_int_equal(st, GP_ERR_DATA);
     assert_non_null(strstr(kept_line, "over 16777216 texels"));
 }
@@ -177,7 +177,7 @@ static void cutouts_are_read_once_for_all_materials(void **state)
              "'textures': [{'source': 0, 'sampler': 0}, {'source': 1}], "
              "'samplers': [{'wrapS': 33071, 'wrapT': 33648}], 'images': [{"
              "'uri': 'data:image/png;base64,UE5H'}, {'uri': 'no.png'}]");
-    assert_ok(gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s));
+    assert_ok(gp_scene_read(&kept_log, path, GLAREPP_UP_Y, &images, &s));
     assert_int_equal(p.calls, 1); // an opaque material's is not read
     assert_int_equal(p.n, 3);
     assert_memory_equal(p.bytes, "PNG", 3);
@@ -189,7 +189,7 @@ static void cutouts_are_read_once_for_all_materials(void **state)
     assert_int_equal(s.material[2].cutout, -1);
     assert_int_equal(s.material[3].cutout, -1);
     gp_scene_free(&s);
-    s = gm_read(path, GP_UP_Y);
+    s = gm_read(path, GLAREPP_UP_Y);
     assert_non_null(strstr(kept_warning, "they count as opaque"));
     gp_scene_free(&s);
 }
