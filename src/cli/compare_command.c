@@ -67,7 +67,7 @@ static void print_worst(const struct row *r)
 }
 
 /* The channel of a pair in file k, or NULL. */
-static const struct gp_stored_channel *channel_of(const struct row *r,
+static const struct glarepp_channel *channel_of(const struct row *r,
                                                   int k, int pair)
 {
     const int i = (k ? r->facts->in_b : r->facts->in_a)[pair];
@@ -83,7 +83,7 @@ static void print_values(const struct row *r, int k,
     const bool inside = x >= d.x0 && x < d.x1 && y >= d.y0 && y < d.y1;
     const long long at = (long long) (y - d.y0) * gp_rect_w(d) + (x - d.x0);
     for (int i = 0; i < r->facts->pairs; i++) {
-        const struct gp_stored_channel *const c = channel_of(r, k, i);
+        const struct glarepp_channel *const c = channel_of(r, k, i);
         if (!c)
             continue;
         printf("%s%g", before,
@@ -118,7 +118,7 @@ static void print_part(const struct row *r,
     printf("  Mean error = %g\n  RMS error = %g\n  Peak SNR = %g\n"
            "  Max error  = ", f->mean, f->rms, f->psnr);
     print_worst(r);
-    if (f->max > 0.0 && !r->image[0]->deep) {
+    if (f->max > 0.0 && !r->image[0]->first) {
         print_values(r, 0, "  values are ");
         print_values(r, 1, " vs ");
     }
@@ -145,8 +145,8 @@ static void print_part(const struct row *r,
         printf("  %lld values that are NaN or infinite differ\n",
                f->nonfinite);
     for (int i = 0; i < f->pairs; i++) {
-        const struct gp_stored_channel *const in_a = channel_of(r, 0, i);
-        const struct gp_stored_channel *const in_b = channel_of(r, 1, i);
+        const struct glarepp_channel *const in_a = channel_of(r, 0, i);
+        const struct glarepp_channel *const in_b = channel_of(r, 1, i);
         if (in_a && in_b && strcmp(in_a->name, in_b->name) == 0)
             continue;
         if (in_a && in_b)
@@ -383,41 +383,31 @@ static gp_status draw(struct run *r, int which)
     return st;
 }
 
-/* Has the library compare two images, by all limits of the command line.
- *   channel  lists that *out borrows, freed by gp_free() after it */
+/* Has the library compare two images, by all limits of the command line. */
 static gp_status measure(const struct run *r,
                          const struct gp_stored_image image[2],
-                         struct glarepp_channel *channel[2],
                          struct glarepp_compare **out)
 {
     const struct gp_compare_settings *const s = &r->s->compare;
     const double *const e = s->flip_exposures.v;
     struct glarepp_compare_params p = s->limits;
     struct glarepp_stored stored[2];
-    gp_status st;
     p.most = r->s->input.read.max_pixels;
     p.start = (float) e[0];
     p.stop = (float) e[1];
     p.exposures = s->flip_exposures.n ? (int) e[2] : 0;
     for (int k = 0; k < 2; k++) {
         const struct gp_stored_image *const m = &image[k];
-        GP_TRY(gp_alloc(r->log, "channels", (size_t) m->channels,
-                        sizeof *channel[k], &channel[k]));
-        for (int i = 0; i < m->channels; i++)
-            channel[k][i] = (struct glarepp_channel) {
-                m->channel[i].name, m->channel[i].v, m->channel[i].is_uint};
         stored[k] = (struct glarepp_stored) {
             .size = sizeof stored[k], .name = k ? r->row.b : r->row.a,
             .data = {m->data.x0, m->data.y0, m->data.x1, m->data.y1},
-            .channel = channel[k], .channels = m->channels, .first = m->first,
+            .channel = m->channel, .channels = m->channels, .first = m->first,
             .integers = m->integers,
             .light = {m->light[0], m->light[1], m->light[2]},
             .primaries = m->chromaticities,
         };
     }
-    GP_TRY(glarepp_compare(r->gp, &p, &stored[0], &stored[1], out));
-out:
-    return st;
+    return (gp_status) glarepp_compare(r->gp, &p, &stored[0], &stored[1], out);
 }
 
 static gp_status compare_images(struct run *r,
@@ -425,10 +415,9 @@ static gp_status compare_images(struct run *r,
 {
     gp_status st;
     struct glarepp_compare *compare = NULL;
-    struct glarepp_channel *channel[2] = {NULL, NULL};
     const struct gp_compare_settings *const p = &r->s->compare;
     bool unwritten = false;
-    GP_TRY(measure(r, image, channel, &compare));
+    GP_TRY(measure(r, image, &compare));
     const struct glarepp_compare_facts *const f = glarepp_compare_facts(compare);
     for (int k = 0; k < 2; k++)
         r->row.image[k] = &image[k];
@@ -439,7 +428,7 @@ static gp_status compare_images(struct run *r,
                "is not written", r->row.a);
     else if (p->heatmap && !r->drawn[HEATMAP])
         GP_TRY(draw(r, HEATMAP));
-    if (p->difference && image[0].deep) {
+    if (p->difference && image[0].first) {
         gp_say(r->log, GP_LEVEL_WARN, "%s: is deep; --difference is not "
                "written", r->row.a);
     } else if (p->difference && !r->drawn[DIFFERENCE] &&
@@ -458,8 +447,6 @@ static gp_status compare_images(struct run *r,
         st = GP_ERR_IO; // else the difference is the status, as idiff's
 out:
     glarepp_compare_end(&compare);
-    gp_free(channel[0]);
-    gp_free(channel[1]);
     return st;
 }
 
@@ -493,7 +480,7 @@ static gp_status compare_frame(struct run *r, int frame)
         r->row.part = part;
         for (int i = 0; i < 2 && !st; i++)
             st = gp_stored_read(r->log, read, &f[i], part, &image[i]);
-        if (!st && image[0].deep != image[1].deep)
+        if (!st && !image[0].first != !image[1].first)
             report_pair(r, GP_COMPARE_DIFFERENT,
                         "one is deep, the other is not");
         else if (!st)

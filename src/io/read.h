@@ -193,22 +193,14 @@ GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
 
 // -- every channel with its values as stored, for comparing ------------------
 
-/* One channel at full resolution: a value for each pixel of the data window,
- * rows from the top; subsampled ones are repeated. Of deep data, one for each
- * sample. */
-struct gp_stored_channel {
-    char *name;   // owned
-    bool is_uint; // `v` holds uint32_t (EXR's UINT), else float
-    void *v;      // owned
-};
-
-/* One part. Half and float samples are as stored, integers of other formats
- * are divided by their largest code, without a curve. */
+/* One part at full resolution; subsampled channels are repeated. Half and float
+ * samples are as stored, integers of other formats are divided by their largest
+ * code, without a curve. */
 struct gp_stored_image {
     struct gp_rect data, display;   // EXR pixel space
-    struct gp_stored_channel *channel; // owned; in the file's order
+    struct glarepp_channel *channel; // owned, names and values too; in the
+                                     // file's order
     int channels;
-    bool deep;
     int64_t *first;     // of deep data: the samples of pixel i are
                         // v[first[i]] to before v[first[i + 1]]; else NULL
     bool integers;      // display-referred: stored as integers, not EXR

@@ -18,12 +18,15 @@ static gp_status make_list(const struct gp_log *log, int n,
 }
 
 static gp_status make_channel(const struct gp_log *log, const char *name,
-                              size_t samples, struct gp_stored_channel *c)
+                              size_t samples, struct glarepp_channel *c,
+                              float **v)
 {
     c->name = gp_strdup(name);
     if (!c->name)
         return gp_no_memory(log, name);
-    return gp_alloc(log, name, samples, sizeof(float), &c->v);
+    const gp_status st = gp_alloc(log, name, samples, sizeof **v, v);
+    c->v = *v;
+    return st;
 }
 
 /* Finds the colour by the names of the list. */
@@ -78,7 +81,7 @@ static gp_status read_deep(const struct gp_log *log,
     const exr_attr_chlist_t *const list = deep.part.channel;
     GP_TRY(make_list(log, list->num_channels, out));
     for (int i = 0; i < list->num_channels; i++) {
-        struct gp_stored_channel *const c = &out->channel[i];
+        struct glarepp_channel *const c = &out->channel[i];
         c->is_uint = list->entries[i].pixel_type == EXR_PIXEL_UINT;
         c->name = gp_strdup(list->entries[i].name.str);
         if (!c->name)
@@ -101,8 +104,7 @@ static gp_status read_exr(const struct gp_log *log,
     struct gp_exr_chunks l = {0};
     struct gp_frame f;
     float **to = NULL;
-    out->deep = gp_exr_is_deep(file->input, part);
-    if (out->deep)
+    if (gp_exr_is_deep(file->input, part))
         return read_deep(log, p, file, part, out);
     GP_TRY(gp_exr_chunks_find(log, file->path, file->input, part,
                               p->max_pixels, &l));
@@ -113,11 +115,11 @@ static gp_status read_exr(const struct gp_log *log,
     GP_TRY(gp_alloc(log, "channels", (size_t) n, sizeof *to, &to));
     for (int i = 0; i < n; i++) {
         const exr_attr_chlist_entry_t *const e = &l.channel->entries[i];
-        struct gp_stored_channel *const c = &out->channel[i];
+        struct glarepp_channel *const c = &out->channel[i];
         c->is_uint = e->pixel_type == EXR_PIXEL_UINT && e->x_sampling == 1 &&
                      e->y_sampling == 1;
-        GP_TRY(make_channel(log, e->name.str, (size_t) l.w * (size_t) l.h, c));
-        to[i] = c->v;
+        GP_TRY(make_channel(log, e->name.str, (size_t) l.w * (size_t) l.h, c,
+                            &to[i]));
     }
     GP_TRY(gp_exr_decode_full(log, &l, true, to));
     GP_TRY(find_light(log, file->parts == 1, out));
@@ -148,9 +150,10 @@ static gp_status read_other(const struct gp_log *log,
         out->light[c] = out->own.c[c];
     GP_TRY(make_list(log, image->channels, out));
     for (int c = 0; c < image->channels; c++) {
+        float *v;
         GP_TRY(make_channel(log, image->channel_name[c],
-                            gp_frame_pixels(&frame), &out->channel[c]));
-        gp_decoded_channel(image, c, out->channel[c].v);
+                            gp_frame_pixels(&frame), &out->channel[c], &v));
+        gp_decoded_channel(image, c, v);
     }
 out:
     gp_frame_free(&frame);
@@ -203,8 +206,8 @@ gp_status gp_stored_read(const struct gp_log *log,
 void gp_stored_image_free(struct gp_stored_image *image)
 {
     for (int i = 0; i < image->channels; i++) {
-        free(image->channel[i].name);
-        gp_free(image->channel[i].v);
+        free((void *) image->channel[i].name);
+        gp_free((void *) image->channel[i].v);
     }
     gp_free(image->channel);
     gp_free(image->first);

@@ -23,10 +23,10 @@ static gp_status read_fixture(const struct fixture *f,
     return st;
 }
 
-static const struct gp_stored_channel *channel_of(
+static const struct glarepp_channel *channel_of(
     const struct gp_stored_image *image, const char *name)
 {
-    const struct gp_stored_channel *c = image->channel;
+    const struct glarepp_channel *c = image->channel;
     while (strcmp(c->name, name) != 0)
         c++;
     return c;
@@ -76,7 +76,7 @@ static void samples(void **state)
     };
     struct gp_stored_image image;
     assert_ok(read_fixture(&f, &image));
-    const struct gp_stored_channel *const id = channel_of(&image, "id"),
+    const struct glarepp_channel *const id = channel_of(&image, "id"),
                                    *const few = channel_of(&image, "few"),
                                    *const half = channel_of(&image, "half");
     assert_true(id->is_uint);
@@ -108,7 +108,7 @@ static void header(void **state)
     assert_int_equal(image.display.x0, -3);
     assert_int_equal(image.display.y1, 48);
     assert_int_equal(image.data.x1, 512);
-    assert_false(image.deep);
+    assert_null(image.first);
     gp_stored_image_free(&image);
 
     f.part[0].deep = true; // whose chunks were never written
