@@ -26,7 +26,7 @@ struct lamp {
     const struct gp_relight_pass *pass;
     struct gp_rect cut;      // in the data
     struct gp_rays rays;     // casters
-    struct glarepp_relit *row;   // of cut
+    struct glarepp_relit *row; // of cut
     unsigned char *mark;     // of its pixels
 };
 
@@ -46,8 +46,7 @@ struct relit {
     int lamps;
 };
 
-/* Returns the sample of a plane, or 0 outside. */
-static double sample(const struct gp_plane *p, int x, int y)
+double gp_surface_sample(const struct gp_plane *p, int x, int y)
 {
     const struct gp_rect w = p->window;
     if (!p->v || x < w.x0 || x >= w.x1 || y < w.y0 || y >= w.y1)
@@ -56,10 +55,9 @@ static double sample(const struct gp_plane *p, int x, int y)
                          (size_t) (x - w.x0)];
 }
 
-/* Returns the distance along the view axis; 0: no surface. */
-static double depth_at(const struct gp_surfaces *f, int x, int y)
+double gp_surface_depth(const struct gp_surfaces *f, int x, int y)
 {
-    const double z = sample(f->z, x, y);
+    const double z = gp_surface_sample(f->z, x, y);
     return z > 0.0 && z < (double) GP_DEPTH_HUGE ? z : 0.0;
 }
 
@@ -80,10 +78,10 @@ static bool read_pixel(const struct relit *w, int x, int y, struct surface *s,
     const struct gp_surfaces *const f = w->f;
     double n[3], most = 0.0;
     for (int c = 0; c < 3; c++) {
-        const double a = sample(&f->albedo[c], x, y);
+        const double a = gp_surface_sample(&f->albedo[c], x, y);
         s->albedo[c] = a > 0.0 && isfinite(a) ? a / w->colours.unit : 0.0;
         most = fmax(most, s->albedo[c]);
-        n[c] = sample(&f->normal[c], x, y);
+        n[c] = gp_surface_sample(&f->normal[c], x, y);
     }
     s->normal = (struct gp_v3) {n[0], n[1], n[2]};
     if (f->normal_of_camera)
@@ -91,7 +89,7 @@ static bool read_pixel(const struct relit *w, int x, int y, struct surface *s,
                               gp_v3_add(gp_v3_scale(w->camera[1], n[1]),
                                         gp_v3_scale(w->camera[2], n[2])));
     *length = gp_v3_length(s->normal);
-    s->z = depth_at(f, x, y);
+    s->z = gp_surface_depth(f, x, y);
     if (!(most > 0.0) || !(*length > 1e-6) || !isfinite(*length))
         return false;
     s->normal = gp_v3_scale(s->normal, 1.0 / *length);
@@ -136,7 +134,7 @@ static bool is_mixed(const struct relit *w, const struct surface *own,
         return true;
     for (int dy = -1; dy <= 1; dy++) {
         for (int dx = -1; dx <= 1; dx++) {
-            const double z = depth_at(w->f, x + dx, y + dy);
+            const double z = gp_surface_depth(w->f, x + dx, y + dy);
             const struct gp_v3 way = way_to(w, x + dx + 0.5, y + dy + 0.5);
             if (fabs(plane_at(w, own, way) - z) > 0.02 * own->z)
                 return true;
@@ -234,7 +232,7 @@ static void find_second(const struct relit *w, struct pixel *p)
     p->n = has_own;
     for (int i = 0; i < SIDE * SIDE; i++) {
         const int dx = i % SIDE - BESIDE, dy = i / SIDE - BESIDE;
-        const bool empty = depth_at(w->f, p->x + dx, p->y + dy) == 0.0;
+        const bool empty = gp_surface_depth(w->f, p->x + dx, p->y + dy) == 0.0;
         double left, t; // t: share of the surface that the pixel has for sure
         if (empty ? !has_own
                   : !read_pure(w, p->x + dx, p->y + dy, &near) ||

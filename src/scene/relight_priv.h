@@ -1,9 +1,17 @@
-/* Parts of relight.c: albedo of a scene's materials as a frame shows it, and
+/* Parts of relight.c: samples of a frame, albedo of a scene's materials as a frame shows it, and
  * places in a pixel at which a renderer may have looked. */
 #ifndef GP_SCENE_RELIGHT_PRIV_H
 #define GP_SCENE_RELIGHT_PRIV_H
 
-#include "scene/scene.h"
+#include "scene/relight.h"
+
+// -- relight.c ----------------------------------------------------------------
+
+/* Returns the sample of a plane, or 0 outside. */
+double gp_surface_sample(const struct gp_plane *p, int x, int y);
+
+/* Returns the distance along the view axis; 0: no surface. */
+double gp_surface_depth(const struct gp_surfaces *f, int x, int y);
 
 // -- colours.c ----------------------------------------------------------------
 

@@ -1,5 +1,5 @@
 /* The lights of a scene that are named: passes from its visibility sets. */
-#include "scene/relight.h"
+#include "scene/relight_priv.h"
 
 #include "core/depth.h"
 #include "core/memory.h"
@@ -15,23 +15,14 @@ static const double BLENDER = 1.0 / 683.0; // radiance a cd or lux
 
 enum { UP_ACROSS = 256 }; // pixels that are looked at across the picture
 
-/* Returns the sample of a plane, or 0 outside. */
-static double sample_of(const struct gp_plane *p, int x, int y)
-{
-    const struct gp_rect w = p->window;
-    const bool inside = x >= w.x0 && x < w.x1 && y >= w.y0 && y < w.y1;
-    return inside ? (double) p->v[(ptrdiff_t) (y - w.y0) * gp_rect_w(w) + x -
-                                  w.x0] : 0.0;
-}
-
 /* Finds the place that a pixel shows; false: none. */
 static bool place_at(const struct gp_surfaces *f, int x, int y,
                      struct gp_v3 *place)
 {
     const struct gp_camera *const c = &f->camera;
-    const double z = sample_of(f->z, x, y);
+    const double z = gp_surface_depth(f, x, y);
     const double w = gp_rect_w(f->display), h = gp_rect_h(f->display);
-    if (!(z > 0.0 && z < (double) GP_DEPTH_HUGE))
+    if (z == 0.0)
         return false;
     *place = gp_camera_point(c, (x + 0.5 - f->display.x0) / w,
                              (y + 0.5 - f->display.y0) / h, z);
@@ -69,9 +60,9 @@ static void turn_normals(const struct gp_log *log, const char *path,
     for (int y = d.y0 + 1; y < d.y1 - 1; y += step) {
         for (int x = d.x0 + 1; x < d.x1 - 1; x += step) {
             struct gp_v3 at;
-            const struct gp_v3 n = {sample_of(&normal[0], x, y),
-                                    sample_of(&normal[1], x, y),
-                                    sample_of(&normal[2], x, y)};
+            const struct gp_v3 n = {gp_surface_sample(&normal[0], x, y),
+                                    gp_surface_sample(&normal[1], x, y),
+                                    gp_surface_sample(&normal[2], x, y)};
             const double length = gp_v3_length(n);
             if (!(fabs(length - 1.0) < 0.01) || !normal_at(own, x, y, &at))
                 continue;
