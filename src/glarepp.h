@@ -813,7 +813,8 @@ int glarepp_lens(struct glarepp *gp, const char *lens,
 void glarepp_lens_end(struct glarepp_lens *lens);
 
 /* Draws it in section, with the rays of a ghost (or NULL), as SVG. Returns the
- * text, which glarepp_lens_end() frees; NULL where memory is full. */
+ * text, which glarepp_lens_end() frees; NULL where memory is full, or the lens
+ * has no such surfaces. */
 const char *glarepp_lens_draw(struct glarepp_lens *lens,
                                           const struct glarepp_ghost *ghost);
 

@@ -145,6 +145,7 @@ gp_status gp_api_lens(struct glarepp_frame *f)
 // -- a prescription -----------------------------------------------------------
 
 struct own {
+    struct glarepp *gp;
     struct gp_lens lens;
     char *svg;
 };
@@ -158,6 +159,7 @@ int glarepp_lens(struct glarepp *gp, const char *lens, struct glarepp_lens *out)
     memset(out, 0, sizeof *out);
     GP_TRY(gp_alloc_zero(&gp->log, "lens", 1, sizeof *own, &own));
     out->own = own;
+    own->gp = gp;
     GP_TRY(gp_lens_read(&gp->log, lens, &own->lens));
     GP_TRY(gp_lens_focus(&gp->log, &own->lens, INFINITY, 0.0));
     gp_lens_measure(&own->lens, out);
@@ -185,16 +187,20 @@ const char *glarepp_lens_draw(struct glarepp_lens *lens,
                               const struct glarepp_ghost *ghost)
 {
     struct own *const own = lens->own;
+    struct glarepp *const outer = gp_api_begin(own->gp);
+    const bool there = !ghost || (ghost->second >= 0 &&
+                                  ghost->first > ghost->second &&
+                                  ghost->first < own->lens.n);
     size_t size = 0;
     free(own->svg);
     own->svg = NULL;
-    FILE *const f = open_memstream(&own->svg, &size);
-    if (!f)
-        return NULL;
-    const bool whole = !gp_lens_svg(NULL, f, &own->lens, ghost) && !ferror(f);
-    if (fclose(f) != 0 || !whole) {
+    FILE *const f = there ? open_memstream(&own->svg, &size) : NULL;
+    const bool whole =
+        f && !gp_lens_svg(NULL, f, &own->lens, ghost) && !ferror(f);
+    if (f && (fclose(f) != 0 || !whole)) {
         free(own->svg);
         own->svg = NULL;
     }
+    (void) gp_api_end(outer, GP_OK);
     return own->svg;
 }
