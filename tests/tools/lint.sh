@@ -4,7 +4,7 @@
 #   clang-tidy    all checks of .clang-tidy; needs compile_commands.json
 #   clang-format  .clang-format, in the lines of all C that changed since $since
 #   cppcheck      without the messages of tests/tools/cppcheck.supp
-since=95e0e4d7
+since=36f4ed5c
 tool=$1
 shift
 case $tool in
