@@ -140,7 +140,7 @@ void glarepp_close(struct glarepp **gp);
  * a caller with threads of its own, which works in them between calls, does it
  * once around both. A thread that enters a context leaves any other. */
 void glarepp_enter(struct glarepp *gp);
-void glarepp_leave(struct glarepp *gp);
+void glarepp_leave(const struct glarepp *gp);
 
 /* Returns the last error of this thread; text "" where there was none. */
 const struct glarepp_message *glarepp_error(void);

@@ -109,7 +109,7 @@ int gp_api_end(struct glarepp *outer, gp_status st)
     return (int) st;
 }
 
-void glarepp_leave(struct glarepp *gp)
+void glarepp_leave(const struct glarepp *gp)
 {
     if (inside == gp)
         (void) gp_api_end(NULL, GP_OK);
