@@ -100,7 +100,7 @@ chosen()
 # One more at a time than there are processors, as tests that kill, stop or count on
 # a clock leave theirs idle; printed in the order of the list
 first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
-first="$first|glare-tail|bench\.t|determinism\.t|soak\.t|fuzz\.t"
+first="$first|manual\.t|styles\.t|data\.t|bench\.t|determinism\.t|soak\.t|fuzz\.t"
 first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw|api-fail_nth"
 first="$first|compare\.t|engines\.t|glare-edges|scene-sets"
 tasks=()

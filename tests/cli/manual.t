@@ -27,7 +27,7 @@ ok 'there are blocks' [ "$(ls ./*.block | wc -l)" -gt 50 ]
 n=0
 for block in gallery.*.block; do
     n=$((n + 1))
-    [ -z "$quick" ] && [ $((n % 5)) = 0 ] || rm "$block"
+    [ -z "$quick" ] && [ $((n % 10)) = 0 ] || rm "$block"
 done
 for block in *.block; do
     rm -rf made && mkdir made && ln -s "$root/examples" made/examples

@@ -118,9 +118,12 @@ black()
     done
     ok "$name: blacks rise by $worst codes, at most 8" at_most "$worst" 8
 }
-for f in examples/leaves.1001 examples/leaves.1003 examples/hall \
-    tests/frames/brightsky.1001 tests/frames/foliage.1004 tests/frames/foliage.1007; do
+for f in examples/leaves.1001 tests/frames/brightsky.1001; do
     black "$root/$f.exr" $f reinhard agx neutral
+done
+for f in examples/leaves.1003 examples/hall tests/frames/foliage.1004 \
+    tests/frames/foliage.1007; do
+    black "$root/$f.exr" $f neutral
 done
 for f in sky/aristea_top_x2.5 sky/aristea_wreck_puresky_1k \
     foliage/KernerEnvLatLong foliage/rainforest_trail_1k \

@@ -199,7 +199,7 @@ static void overscan_makes_no_difference(void **state)
  * another by over 3 % of what was there first. */
 static void leaving_lamps_fade(void **state)
 {
-    static const char *const models[] = {"eye", "cie:age=70",
+    static const char *const models[] = {"eye",
                                          "moffat:share=.06,fwhm=.1,beta=2.5"};
     enum { FRAMES = 20, RADIUS = 10 };
     const int w = 320, h = 180;
