@@ -3,7 +3,7 @@
 # Runs every test, of the command-line ones none, those named, or all but those
 # named; prints what failed and what was skipped for which reason, and ends with
 # "N passed, N failed, N skipped".
-# GLAREPP_TEST_JOBS at a time, else one more than there are processors: some wait.
+# GLAREPP_TEST_JOBS at a time, else two more than there are processors: some wait.
 # GLAREPP_TEST_SKIP names suites that are left out, as ROOM/SUITE.
 # GLAREPP_RUN is put before each unit test (valgrind); GLAREPP_PROGRAM is what the
 # command-line tests run, else glarepp of BUILD.
@@ -97,7 +97,7 @@ chosen()
     esac
 }
 
-# One more at a time than there are processors, as tests that kill, stop or count on
+# Two more at a time than there are processors, as tests that kill, stop or count on
 # a clock leave theirs idle; printed in the order of the list
 first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
 first="$first|manual\.t|styles\.t|data\.t|bench\.t|determinism\.t|soak\.t|fuzz\.t"
@@ -127,7 +127,7 @@ longest=$(printf '%s\n' "${tasks[@]}" | grep -E " ($first)( |$)")
 others=$(printf '%s\n' "${tasks[@]}" | grep -vE " ($first)( |$)")
 printf '%s\n' "$longest" "$others" | grep . >"$log/order"
 while read -r -u 9 task; do
-    while [ "$(jobs -rp | wc -l)" -ge "${GLAREPP_TEST_JOBS:-$(($(nproc) + 1))}" ]; do
+    while [ "$(jobs -rp | wc -l)" -ge "${GLAREPP_TEST_JOBS:-$(($(nproc) + 2))}" ]; do
         wait -n
     done
     run_one $task 9<&- &
