@@ -21,7 +21,7 @@
  *
  * Parameters are structs. Start from the macro of the same name, which has the
  * defaults and the struct's size: fields are added at the end, and a caller of
- * an older header gets their defaults. NULL stands for the defaults. Structs
+ * an older header gets their defaults; so does NULL in their place. Structs
  * without a size, and an image, grow only with another libglarepp.so.N. Pointers
  * are never NULL but where it is said; numbers are finite.
  *

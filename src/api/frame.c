@@ -23,15 +23,14 @@ static gp_status import_groups(struct glarepp_frame *f,
     GP_TRY(gp_alloc_zero(&f->log, "light groups", (size_t) p->groups + 1,
                          sizeof *f->group, &f->group));
     for (; f->groups < p->groups; f->groups++) {
+        const struct glarepp_image *const from = &p->group[f->groups];
         struct gp_api_group *const g = &f->group[f->groups];
-        GP_TRY(gp_api_import(&f->log, &p->group[f->groups], p->in_place,
-                             &g->image));
-        g->borrowed = g->image.rgb.c[0] == p->group[f->groups].plane[0];
-        if (memcmp(&g->image.data, &f->image.data, sizeof f->image.data) != 0) {
-            f->groups++; // to be freed
-            return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.group", "%s: its "
-                              "window is not the frame's", g->image.path);
-        }
+        if (memcmp(&from->data, &p->image.data, sizeof from->data) != 0)
+            return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.group",
+                              "%s: the window of group %d is another",
+                              f->sink.name, f->groups + 1);
+        GP_TRY(gp_api_import(&f->log, from, p->in_place, &g->image));
+        g->borrowed = g->image.rgb.c[0] == from->plane[0];
     }
 out:
     return st;

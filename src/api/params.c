@@ -5,7 +5,6 @@
 
 #include <float.h>
 #include <limits.h>
-#include <stdio.h>
 #include <string.h>
 
 /* A field that may be wrong. LIST: a pointer that is not NULL where the int at
@@ -35,6 +34,7 @@ struct range {
 #define SETS(...) IN(glarepp_sets_params, "sets", __VA_ARGS__)
 #define DRAWN(...) IN(glarepp_field, "field", __VA_ARGS__)
 
+// clang-format off
 static const struct range ranges[] = {
     IN(glarepp_params, "params", threads, 0, 1024),
     IN(glarepp_params, "params", level, GLAREPP_ERROR, GLAREPP_NOTE),
@@ -52,7 +52,8 @@ static const struct range ranges[] = {
     LIGHT(radius, -1e9, 1e9), LIGHT(degrees, 0, 90), LIGHT(ball, 0, 1e15),
     LIGHT(bias, 0, 1), LIGHT(flux[0], 0, 1e30), LIGHT(flux[1], 0, 1e30),
     LIGHT(flux[2], 0, 1e30),
-    LIGHTS(lights, 0, GP_LIGHTS_MAX), LISTED(glarepp_light_params, "lights", light, lights),
+    LIGHTS(lights, 0, GP_LIGHTS_MAX),
+    LISTED(glarepp_light_params, "lights", light, lights),
     LIGHTS(degrees, 0, 90), LIGHTS(method, 0, GLAREPP_READBACK),
     LIGHTS(outside, 0, GLAREPP_BY_SCENE), LIGHTS(depth, 0, GLAREPP_NORMALIZED),
     LIGHTS(ndc, 0, GLAREPP_NDC_CLIP), LIGHTS(adapt, 0, 1), LIGHTS(side, 2, 256),
@@ -80,6 +81,7 @@ static const struct range ranges[] = {
     IN(glarepp_stored, "stored", channels, 0, INT_MAX),
     LISTED(glarepp_stored, "stored", channel, channels),
 };
+// clang-format on
 
 /* The value of a number; of a pointer 1 where it may stand so, else 0. */
 static double value_of(const struct range *r, const char *from)

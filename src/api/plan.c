@@ -81,6 +81,11 @@ static gp_status take_layer(struct glarepp_plan *plan,
     if (!known)
         return gp_fail_at(&plan->log, GP_ERR_USAGE, "layer.engine", "engine: "
                           "none has this name (found %s)", p.engine);
+    const bool odd = p.group & (p.group - 1);
+    if (odd || p.cluster & (p.cluster - 1))
+        return gp_fail_at(
+            &plan->log, GP_ERR_USAGE, odd ? "layer.group" : "layer.cluster",
+            "layer: no power of two (found %d)", odd ? p.group : p.cluster);
     plan->glare = (struct gp_glare_params) GP_GLARE_DEFAULTS;
     plan->glare.engine = p.engine;
     plan->glare.gain = p.gain;

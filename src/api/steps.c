@@ -443,10 +443,10 @@ static gp_status verify(struct glarepp_frame *f)
         GP_TRY(gp_glare_reference(&f->log, &edges, all_light(f),
                                   gp_api_kernel(f), f->exact));
     }
+    const bool taken = f->plan->compose.mix == GLAREPP_SCATTER;
     gp_glare_measure(&f->image, &f->image.layer, f->exact,
-                     f->plan->compose.gain,
-                     f->plan->compose.mix == GLAREPP_SCATTER ? &f->sources
-                                                            : NULL, &f->facts.errors);
+                     f->plan->compose.gain, taken ? &f->sources : NULL,
+                     &f->facts.errors);
     f->facts.verified = true;
 out:
     if (st || !f->p.details)

@@ -67,8 +67,8 @@ static void print_worst(const struct row *r)
 }
 
 /* The channel of a pair in file k, or NULL. */
-static const struct glarepp_channel *channel_of(const struct row *r,
-                                                  int k, int pair)
+static const struct glarepp_channel *channel_of(const struct row *r, int k,
+                                                int pair)
 {
     const int i = (k ? r->facts->in_b : r->facts->in_a)[pair];
     return i < 0 ? NULL : &r->image[k]->channel[i];

@@ -77,13 +77,14 @@ static void print_word(FILE *f, const char *head, size_t n, const char *word)
 }
 
 /* Prints an option's value without folders of this machine. */
-static void print_value(FILE *f, const struct gp_option *o, const char *value)
+static void print_value(FILE *f, const struct gp_settings *s,
+                        const struct gp_option *o, const char *value)
 {
     const bool config = strcmp(o->arg, "CONFIG") == 0;
     const char *const is = strchr(value, '=');
     const char *const file = strstr(value, "file="); // of a kernel's recipe
-    if (config && (!*value || strcmp(value, "env") == 0) && getenv("OCIO"))
-        value = getenv("OCIO");
+    if (config)
+        value = s->tone.map.config; // of env, too
     if (file && o->kind == GP_KIND_TEXTS && !gp_kernel_is_file(value))
         print_word(f, value, (size_t) (file + 5 - value), base_name(file + 5));
     else if ((config || strstr(o->arg, "FILE")) && !strstr(value, "://"))
@@ -113,7 +114,7 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
             continue;
         fprintf(f, " --%s", name);
         if (value)
-            print_value(f, o, value);
+            print_value(f, s, o, value);
     }
     for (int i = 0; i < inputs; i++)
         print_word(f, "", 0, base_name(input[i]));

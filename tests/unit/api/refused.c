@@ -97,8 +97,8 @@ static void values_out_of_range(void **state)
     BAD(layer, gain, NAN, INFINITY, -1.0f);
     BAD(layer, tolerance, NAN, -1.0f);
     BAD(layer, mix, (enum glarepp_mix) 2);
-    BAD(layer, group, 0, -4, 65);
-    BAD(layer, cluster, -8, 65);
+    BAD(layer, group, 0, 3, -4, 65);
+    BAD(layer, cluster, 6, -8, 65);
     BAD(layer, shrink, NAN, 1.0f);
     BAD(light, place, (enum glarepp_place) 9);
     BAD(light, at[1], NAN, INFINITY);

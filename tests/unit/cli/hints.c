@@ -7,10 +7,13 @@
 #include <ctype.h>
 
 /* The program is not told of these, or the text says it all. */
+// clang-format off
 static const char *const wordless[] = {
     "frame.albedo", "frame.group", "frame.normal", "image.data", "image.plane",
-    "image.type", "kernel.word", "params.picture", "tone.config.file", "tone.curve", "tone.output.primaries",
+    "image.type", "kernel.word", "layer.cluster", "layer.group",
+    "params.picture", "tone.config.file", "tone.curve", "tone.output.primaries",
 };
+// clang-format on
 
 static char parameter[256][40]; // of src/, each once
 static size_t parameters;
