@@ -72,6 +72,7 @@ const struct gp_settings gp_defaults = {
     .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_COMPARE |     \
         GP_COMMAND_KERNEL | GP_COMMAND_SETS | GP_COMMAND_STYLES
 
+// clang-format off
 const struct gp_option gp_options[] = {
     OPT(output.pictures, .name = "output", .letter = 'o',
         .group = GP_GROUP_OUTPUT,
@@ -101,9 +102,8 @@ const struct gp_option gp_options[] = {
 
     OPT(input.frames, .name = "frames", .letter = 'f', .group = GP_GROUP_INPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
-        .aside = true,
-        .help = "Read these frames of a pattern: 1-100, 1-100x2 (or 1-100:2), "
-                "3,4,10-20x2 or 5-1; without it, all that exist on disk"),
+        .aside = true, .help = "Read these frames of a pattern: 1-100, 1-100x2 "
+        "(or 1-100:2), 3,4,10-20x2 or 5-1; without it, all that exist on disk"),
     OPT(input.views, .name = "views", IN(INPUT), .arg = "LIST",
         .help = "Make these stereo views: by %V or %v (first letter) in input "
                 "names, where the default is left,right; else views inside "
@@ -124,11 +124,9 @@ const struct gp_option gp_options[] = {
         "own; may be given more than once; --hdr adds to each layer its own "
         "glare"),
     OPT(input.read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
-        .lo = 1,
-        .hi = 1LL << 40, .aside = true,
-        .help = "Refuse files whose data or display window has more than N "
-        "pixels; in files other than EXR, every four channels of a pixel "
-        "count as one pixel"),
+        .lo = 1, .hi = 1LL << 40, .aside = true, .help = "Refuse files whose "
+        "data or display window has more than N pixels; in files other than "
+        "EXR, every four channels of a pixel count as one pixel"),
 
     OPT(light.style, .name = "style", .group = GP_GROUP_LIGHT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_KERNEL,
@@ -197,9 +195,8 @@ const struct gp_option gp_options[] = {
         .help = "Place the sun by its direction in the world, from the scene "
                 "to the sun, and the frame's worldToNDC matrix or --camera"),
     OPT(sun.p.degrees, .name = "sun-size", BOTH(SUN), .arg = "DEG",
-        .needs = GP_NEED_LIGHT, .lo = FLT_MIN, .hi = 90,
-        .help = "Set the sun's diameter in degrees, for --sun-dir and "
-                "--camera"),
+        .needs = GP_NEED_LIGHT, .lo = FLT_MIN, .hi = 90, .help = "Set the "
+        "sun's diameter in degrees, for --sun-dir and --camera"),
     OPT(sun.color, .name = "sun-color", IN(SUN), .arg = "R,G,B", .least = 1,
         .needs = GP_NEED_LIGHT | GP_NEED_SUN, .most = 3, .hi = 1e12,
         .help = "Set the sun's flux, scene-linear, summed over pixels (one "
@@ -282,8 +279,7 @@ const struct gp_option gp_options[] = {
         "frame's normals"),
     OPT(scene.lamp_size, .name = "lamp-size", IN(SUN), .arg = "R",
         .needs = GP_NEED_SCENE, .hi = 1e9, .help = "Radius, in the scene's "
-        "unit, of lamps whose node has no extras.ball_radius; 0: half a "
-        "pixel"),
+        "unit, of lamps whose node has no extras.ball_radius; 0: half a pixel"),
     OPT(input.depth, .name = "depth", BOTH(SUN), .arg = "CH",
         .help = "Read depth from this channel, in any part; without it, from "
                 "the first of Z, depth.Z, Depth.Z, *.Depth.Z and *.Z, in the "
@@ -343,10 +339,9 @@ const struct gp_option gp_options[] = {
         .help = "Map tones with this operator",
         .usual = "Map tones of -o: neutral, agx, aces, linear"),
     OPT(tone.map.exposure, .name = "exposure", BOTH(TONE), .arg = "EV",
-        .lo = -32,
-        .needs = GP_NEED_CURVE, .hi = 32,
-        .help = "Scale the light by 2^EV before the operator",
-        .usual = "Expose -o: 1 for twice as bright, -1 for half"),
+        .lo = -32, .needs = GP_NEED_CURVE, .hi = 32, .help = "Scale the light "
+        "by 2^EV before the operator", .usual = "Expose -o: 1 for twice as "
+        "bright, -1 for half"),
     OPT(tone.map.auto_exposure, .name = "auto-exposure", BOTH(TONE),
         .needs = GP_NEED_CURVE, .help = "Scale the frame so that its "
         "log-average becomes middle grey, then by --exposure"),
@@ -378,9 +373,8 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Use these looks in place of those of the view: A, or -A,+B"),
     OPT(tone.map.output, .name = "output-space", IN(TONE), .arg = "S",
-        .needs = GP_NEED_CONFIG | GP_NEED_HDR,
-        .help = "Convert --hdr to this colour space of "
-        "the config, and write its chromaticities"),
+        .needs = GP_NEED_CONFIG | GP_NEED_HDR, .help = "Convert --hdr to this "
+        "colour space of the config, and write its chromaticities"),
     OPT(tone.context, .name = "ocio-context", IN(TONE), .arg = "NAME=VALUE",
         .needs = GP_NEED_CONFIG, .help = "Set a context variable of the "
         "config; may be given more than once"),
@@ -474,15 +468,13 @@ const struct gp_option gp_options[] = {
         .help = "Write the table as comma-separated values; - is stdout"),
     OPT(bench.json, .name = "json", .group = GP_GROUP_REPORT,
         .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE | GP_COMMAND_SETS,
-        .arg = "FILE", .once = true,
-        .help = "bench, sets: write the table as JSON; compare: write one object a "
-                "line for each pair; - is stdout"),
+        .arg = "FILE", .once = true, .help = "bench, sets: write the table as "
+        "JSON; compare: write one object a line for each pair; - is stdout"),
     OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE", .once = true,
         .help = "Draw error over time with the Pareto front, as SVG"),
-    OPT(bench.paper, .name = "paper", BENCH,
-        .needs = GP_NEED_OWN_FRAMES | GP_NEED_NO_LIGHT,
-        .help = "Measure three generated frames like the paper's: few points, "
-                "windows, and a sky that fills the frame"),
+    OPT(bench.paper, .name = "paper", BENCH, .needs = GP_NEED_OWN_FRAMES |
+        GP_NEED_NO_LIGHT, .help = "Measure three generated frames like the "
+        "paper's: few points, windows, and a sky that fills the frame"),
     OPT(bench.runs, .name = "runs", .group = GP_GROUP_REPORT,
         .commands = GP_COMMAND_BENCH | GP_COMMAND_SETS, .arg = "N", .lo = 1,
         .hi = 1000, .help = "bench: time each row N times; the table has the "
@@ -541,9 +533,8 @@ const struct gp_option gp_options[] = {
     OPT(compare.limits.flip, .name = "no-flip", COMPARE, .off = true,
         .help = "Leave out FLIP, which takes most of the time"),
     OPT(compare.heatmap, .name = "heatmap", COMPARE, .arg = "FILE",
-        .aside = true,
-        .help = "Write a picture of FLIP at each pixel: magma, black 0 to "
-                "pale yellow 1"),
+        .aside = true, .help = "Write a picture of FLIP at each pixel: magma, "
+        "black 0 to pale yellow 1"),
 
     OPT(words.version, .name = "version", ALL(GENERAL),
         .help = "Print the versions of the program and its libraries"),
@@ -554,6 +545,7 @@ const struct gp_option gp_options[] = {
     OPT(words.help_table, .name = "help-table", IN(GENERAL)),
     {0},
 };
+// clang-format on
 
 // -- rows of the table -------------------------------------------------------
 

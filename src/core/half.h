@@ -16,8 +16,7 @@ void gp_half_to_float(const uint16_t *in, float *out, size_t n);
 size_t gp_float_to_half(const float *in, uint16_t *out, size_t n);
 
 /* The nearest value that a half can hold, as Imath's half does it: too large
- * becomes Inf, not 65504. The second rounds n in place. */
+ * becomes Inf, not 65504. */
 float gp_half_nearest(float v);
-void gp_half_round(float *v, size_t n);
 
 #endif

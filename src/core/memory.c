@@ -13,10 +13,10 @@
 /* The C library returns a large block to the system when it is freed; the
  * system then clears pages again for the next one, with a page fault for each
  * 4 KiB: a fifth of the CPU time of one frame of 1920x1080, and a sixth of a
- * sequence of 3840x2160. Here blocks are pages, huge ones where they are large,
- * and one that is freed waits for the next of about its size. When those in use
- * and those that wait would be an eighth more than ever were in use, the largest
- * that wait go back to the system.
+ * sequence of 3840x2160. Here blocks are huge pages, or parts of one, and one
+ * that is freed waits for the next of about its size. When those in use and
+ * those that wait would be a page and an eighth more than ever were in use, the
+ * largest that wait go back to the system.
  *
  * The list of blocks is not in their pages: to write there would clear a huge
  * page on the thread that allocates, where the threads that fill a block share
@@ -63,50 +63,44 @@ static struct {
     size_t used, most, waiting; // bytes; in use at most so far
 } arena = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-static size_t page_of(size_t bytes)
-{
-    return bytes < HUGE_PAGE / 2 ? PAGE : HUGE_PAGE;
-}
-
 /* Returns the smallest free block for that many bytes, or NULL. */
 static struct block *find_free(size_t bytes)
 {
+    const size_t most = bytes < HUGE_PAGE ? HUGE_PAGE : bytes + bytes / FIT;
     struct block *best = NULL;
     for (struct block *b = arena.block; b < arena.block + arena.blocks; b++) {
-        if (b->free && b->bytes >= bytes && b->bytes <= bytes + bytes / FIT &&
+        if (b->free && b->bytes >= bytes && b->bytes <= most &&
             (!best || b->bytes < best->bytes))
             best = b;
     }
     return best;
 }
 
-/* Maps a block that begins with a page of its kind, or NULL. */
+/* Maps a free block of huge pages, or returns NULL. */
 static struct block *map_block(size_t bytes)
 {
-    const size_t page = page_of(bytes);
-    if (arena.blocks == BLOCKS)
-        return NULL;
-    char *const all = mmap(NULL, bytes + page, PROT_READ | PROT_WRITE,
+    char *const all = mmap(NULL, bytes + HUGE_PAGE, PROT_READ | PROT_WRITE,
                            MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (all == MAP_FAILED)
         return NULL;
-    const size_t before = -(uintptr_t) all % page;
+    const size_t before = -(uintptr_t) all % HUGE_PAGE;
     if (before)
         munmap(all, before);
-    munmap(all + before + bytes, page - before);
+    munmap(all + before + bytes, HUGE_PAGE - before);
 #ifdef MADV_HUGEPAGE
-    if (page == HUGE_PAGE)
-        madvise(all + before, bytes, MADV_HUGEPAGE);
+    madvise(all + before, bytes, MADV_HUGEPAGE);
 #endif
     struct block *const b = &arena.block[arena.blocks++];
-    *b = (struct block) {.at = all + before, .bytes = bytes};
+    *b = (struct block) {all + before, bytes, true};
+    arena.waiting += bytes;
     return b;
 }
 
 /* Returns free blocks to the system, the largest first, down to the limit. */
 static void return_pages(void)
 {
-    while (arena.used + arena.waiting > arena.most + arena.most / SLACK) {
+    while (arena.used + arena.waiting >
+           arena.most + arena.most / SLACK + (has_arena() ? HUGE_PAGE : 0)) {
         struct block *large = NULL;
         for (struct block *b = arena.block; b < arena.block + arena.blocks; b++) {
             if (b->free && (!large || b->bytes > large->bytes))
@@ -123,17 +117,22 @@ static void return_pages(void)
 /* Takes a block at a page, not cleared; NULL when there is no memory. */
 static void *take_block(size_t bytes)
 {
-    const size_t page = page_of(bytes), whole = (bytes + page - 1) / page * page;
+    const bool part = bytes < HUGE_PAGE / 2;
+    const size_t page = part ? PAGE : HUGE_PAGE;
+    const size_t whole = (bytes + page - 1) / page * page;
     void *at = NULL;
     pthread_mutex_lock(&arena.lock);
     struct block *b = find_free(whole);
+    if (!b && arena.blocks < BLOCKS - 1)
+        b = map_block(part ? HUGE_PAGE : whole);
+    if (b && part && b->bytes > whole && arena.blocks < BLOCKS) {
+        arena.block[arena.blocks++] =
+            (struct block) {b->at + whole, b->bytes - whole, true};
+        b->bytes = whole;
+    }
     if (b) {
         b->free = false;
         arena.waiting -= b->bytes;
-    } else {
-        b = map_block(whole);
-    }
-    if (b) {
         at = b->at;
         arena.used += b->bytes;
         if (arena.used > arena.most)

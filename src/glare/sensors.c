@@ -227,7 +227,7 @@ static void warn_of_clamping(const struct gp_log *log, const char *path,
 GP_CLONES static int find_bright(const struct sense *s,
     const float *const rgb[3], int x0, int n, struct bright_piece *out)
 {
-    float light[3][PIECE], lum[PIECE];
+    float light[3][PIECE], lum[PIECE] = {0};
     int at = 0;
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < 3; k++)
@@ -235,15 +235,19 @@ GP_CLONES static int find_bright(const struct sense *s,
         lum[i] = gp_lit_luminance(s->weight, light[0][i], light[1][i],
                                   light[2][i]);
     }
-    for (int i = 0; i < n; i++) { // a dark one is overwritten by the next
-        for (int k = 0; k < 3; k++)
-            out->rgb[k][at] = light[k][i];
-        out->largest[at] = lum[i];
-        out->x[at] = x0 + i;
-        at += lum[i] > s->open;
+    for (int from = 0; from < n; from += WIDE) {
+        bool any = false;
+        for (int i = from; i < from + WIDE; i++)
+            any |= lum[i] > s->open;
+        for (int i = from; any && i < gp_min(from + WIDE, n); i++) {
+            for (int k = 0; k < 3; k++)
+                out->rgb[k][at] = light[k][i];
+            out->largest[at] = lum[i];
+            out->x[at] = x0 + i;
+            at += lum[i] > s->open; // a dark one is overwritten by the next
+        }
     }
-    const bool whole =
-        s->p->whole && !(s->p->knee > 0.0f);
+    const bool whole = s->p->whole && !(s->p->knee > 0.0f);
     for (int i = 0; i < at && !whole; i++) {
         const float pass = gp_bright_pass(s->p, out->largest[i]);
         for (int k = 0; k < 3; k++)

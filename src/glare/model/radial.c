@@ -72,46 +72,48 @@ static inline void add_table(const struct table *t, int channels, double s,
     }
 }
 
-static void radial_row(const void *state, int x, int y, int n,
-                       double *const out[3])
+/* Adds the mean over the pixel (px, py), `far` longer sides from the light. */
+static inline void add_nodes(const struct radial_table *t, int far, int px,
+                             int py, double sum[3])
 {
     static const struct {
         int from, order; // longer sides from the light; nodes that keep 1e-8
     } orders[] = {{40, 2}, {16, 3}, {8, 4}, {4, 6}, {2, 10}};
+    const double b = t->f.degrees, a = b * t->f.aspect;
+    int k = far < t->bends ? 2 : 0;
+    while (far < orders[k].from)
+        k++;
+    const struct gp_gauss *const g = gp_tent_rule(orders[k].order);
+    for (int q = 0; q < g->n; q++) {
+        const double v = b * (py + g->node[q]);
+        for (int p = 0; p < g->n; p++) {
+            const double u = a * (px + g->node[p]);
+            add_table(&t->profile, t->channels, u * u + v * v,
+                      a * b * g->weight[p] * g->weight[q], sum);
+        }
+    }
+}
+
+static void radial_row(const void *state, int x, int y, int n,
+                       double *const out[3])
+{
     const struct radial_table *const t = state;
     const double b = t->f.degrees, a = b * t->f.aspect, side = fmax(a, b);
     for (int i = 0; i < n; i++) {
         const int px = abs(x + i), py = abs(y);
         const int far = (int) (gp_maxd(a * px, b * py) / side + 1e-9);
         double sum[3] = {0};
-        int k = far < t->bends ? 2 : 0;
         if (px <= t->near.rx && py <= t->near.ry) {
-            double *to[3] = {NULL};
-            for (int c = 0; c < t->channels; c++)
-                to[c] = out[c] + i;
+            double *to[3] = {&sum[0], &sum[1], &sum[2]};
             gp_deposit_row(&t->near, px, py, 1, to);
-            continue;
-        }
-        if (t->far.value && far >= FAR && far >= t->bends) {
+        } else if (t->far.value && far >= FAR && far >= t->bends) {
             const double u = a * px, v = a * py;
             add_table(&t->far, t->channels, u * u + v * v, a * a, sum);
-            for (int c = 0; c < t->channels; c++)
-                out[c][i] = sum[c] > 0.0 ? sum[c] : 0.0;
-            continue;
-        }
-        while (far < orders[k].from)
-            k++;
-        const struct gp_gauss *const g = gp_tent_rule(orders[k].order);
-        for (int q = 0; q < g->n; q++) {
-            const double v = b * (py + g->node[q]);
-            for (int p = 0; p < g->n; p++) {
-                const double u = a * (px + g->node[p]);
-                add_table(&t->profile, t->channels, u * u + v * v,
-                          a * b * g->weight[p] * g->weight[q], sum);
-            }
+        } else {
+            add_nodes(t, far, px, py, sum);
         }
         for (int c = 0; c < t->channels; c++)
-            out[c][i] = fmax(sum[c], 0.0);
+            out[c][i] = gp_maxd(sum[c], 0.0);
     }
 }
 
@@ -143,8 +145,9 @@ static gp_status make_table(const struct gp_log *log, int channels,
 
 // -- rings --------------------------------------------------------------------
 
-/* Adds the circle of radii (u, v) pixels about the light: arcs between the
- * places where it passes from pixel to pixel, on which tents are straight. */
+/* Adds the first quarter of the circle of radii (u, v) pixels about the light:
+ * arcs between the places where it passes from pixel to pixel, on which tents
+ * are straight. */
 static void add_circle(const struct gp_deposit *d, double u, double v,
                        const double light[3])
 {
@@ -164,13 +167,9 @@ static void add_circle(const struct gp_deposit *d, double u, double v,
             const double angle =
                 0.5 * (from + to) + (to - from) * g->node[k];
             const double share = (to - from) * g->weight[k] / (2.0 * M_PI);
-            const double quarter[3] = {share * light[0], share * light[1],
-                                    share * light[2]};
-            const double x = u * cos(angle), y = v * sin(angle);
-            gp_deposit_add(d, x, y, quarter);
-            gp_deposit_add(d, -x, y, quarter);
-            gp_deposit_add(d, x, -y, quarter);
-            gp_deposit_add(d, -x, -y, quarter);
+            const double arc[3] = {share * light[0], share * light[1],
+                                   share * light[2]};
+            gp_deposit_add(d, u * cos(angle), v * sin(angle), arc);
         }
         if (column <= 0 && row > rows)
             return;
@@ -228,23 +227,19 @@ static gp_status make_near(const struct gp_log *log, gp_profile p,
     const double reach = fmin(a, b) > WIDE ? fmax(BENDS, sides) : sides;
     const int rx = (int) ceil(reach / a) - 1;
     const int ry = (int) ceil(reach / b) - 1;
-    const size_t n = (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
+    const size_t w = 2 * (size_t) rx + 1, n = w * (2 * (size_t) ry + 1);
     const double end = hypot(a * (rx + 1), b * (ry + 1));
-    struct gp_deposit eight = {0}; // rings: sums of sums keep more digits
-    gp_status st;
-    GP_TRY(gp_deposit_make(log, t->channels, rx, ry, &t->near));
-    GP_TRY(gp_deposit_make(log, t->channels, rx, ry, &eight));
-    for (int i = 0; ring_from(i) < end || i % 8; i++) {
-        add_rings(&eight, p, ctx, &t->f, ring_from(i),
+    gp_status st = gp_deposit_make(log, t->channels, rx, ry, &t->near);
+    if (st)
+        return st;
+    for (int i = 0; ring_from(i) < end; i++)
+        add_rings(&t->near, p, ctx, &t->f, ring_from(i),
                   fmin(ring_from(i + 1), end));
-        for (size_t k = 0; k < 3 * n && i % 8 == 7; k++) {
-            t->near.v[0][k] += eight.v[0][k];
-            eight.v[0][k] = 0.0;
-        }
+    for (size_t k = 0; k < 3 * n; k++) { // both sides of the axes
+        t->near.v[0][k] *= (k % w == (size_t) rx ? 2.0 : 1.0) *
+                           (k % n / w == (size_t) ry ? 2.0 : 1.0);
     }
-out:
-    gp_deposit_free(&eight);
-    return st;
+    return GP_OK;
 }
 
 /* Entry i of a table: the square of the distance, and the step to the next. */

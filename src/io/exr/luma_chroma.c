@@ -34,8 +34,8 @@ struct rows {
 
 static void keep_half(const struct gp_yc *in, float *row)
 {
-    if (in->half)
-        gp_half_round(row, (size_t) in->w);
+    for (int x = 0; in->half && x < in->w; x++)
+        row[x] = gp_half_nearest(row[x]);
 }
 
 /* -- chroma --------------------------------------------------------------- */

@@ -110,6 +110,28 @@ static void pages_return(void **state)
     gp_free(large);
 }
 
+/* Small blocks are parts of one page: each keeps its bytes. */
+static void parts_are_apart(void **state)
+{
+    enum { PARTS = 24 };
+    uint8_t *part[PARTS];
+    need_kept_blocks();
+    for (int round = 0; round < 3; round++) {
+        for (int i = 0; i < PARTS; i++) {
+            const size_t bytes = (size_t) (130 + 37 * (i % 20)) << 10;
+            if (round == 0 || i % (round + 1) == 0)
+                part[i] = alloc_block(bytes);
+            memset(part[i], i, bytes);
+        }
+        for (int i = 0; i < PARTS; i++) {
+            for (size_t k = 0; k < (size_t) (130 + 37 * (i % 20)) << 10; k++)
+                assert_int_equal(part[i][k], i);
+            if (round == 2 || i % (round + 2) == 0)
+                gp_free(part[i]);
+        }
+    }
+}
+
 /* Blocks that wait are each taken once, and go when nobody keeps them. */
 static void blocks_are_apart(void **state)
 {
@@ -222,6 +244,5 @@ static int keep_memory(void **state)
 }
 
 SUITE_OF(memory, keep_memory, NULL, pages_return, blocks_are_apart,
-         sizes_are_checked,
-    memory_is_full, small_and_none, zero_of_a_used_block, resized,
-    threads_share)
+         parts_are_apart, sizes_are_checked, memory_is_full, small_and_none,
+         zero_of_a_used_block, resized, threads_share)

@@ -41,13 +41,10 @@ static void set_planes(float y, float ry, float by)
 static void random_planes(uint32_t seed)
 {
     for (int i = 0; i < PIXELS; i++) {
-        luma[i] = random_unit(&seed) * 4.0f;
-        red[i] = random_unit(&seed) * 0.8f - 0.4f;
-        blue[i] = random_unit(&seed) * 0.8f - 0.4f;
+        luma[i] = gp_half_nearest(random_unit(&seed) * 4.0f);
+        red[i] = gp_half_nearest(random_unit(&seed) * 0.8f - 0.4f);
+        blue[i] = gp_half_nearest(random_unit(&seed) * 0.8f - 0.4f);
     }
-    gp_half_round(luma, PIXELS);
-    gp_half_round(red, PIXELS);
-    gp_half_round(blue, PIXELS);
 }
 
 /* Without chroma every pixel is its luminance, exactly, whatever it is. */
@@ -56,9 +53,8 @@ static void grey_stays_grey(void **state)
     uint32_t seed = 5;
     set_planes(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < PIXELS; i++)
-        luma[i] = random_unit(&seed) * 60000.0f;
+        luma[i] = gp_half_nearest(random_unit(&seed) * 60000.0f);
     luma[3] = INFINITY;
-    gp_half_round(luma, PIXELS);
     for (int sampling = 1; sampling <= 2; sampling++) {
         for (int half = 0; half < 2; half++) {
             struct gp_yc yc = yc_picture(W, H, sampling, half);
