@@ -12,6 +12,7 @@
 #include "glare/fft/fft.h"
 #include "glare/splat/splat_priv.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,10 +109,10 @@ static gp_status make_residue(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Spreads the residue's light of one sign; `layer` is of its planes' size. */
+/* Spreads the residue, light less light; `layer` is of its planes' size. */
 static gp_status spread(const struct gp_log *log, const struct residue *r,
-    const struct gp_sources *like, float sign, const struct gp_kernel *kernel,
-    struct gp_planes *layer)
+                        const struct gp_sources *like,
+                        const struct gp_kernel *kernel, struct gp_planes *layer)
 {
     gp_status st;
     void *state = NULL;
@@ -129,12 +130,14 @@ static gp_status spread(const struct gp_log *log, const struct residue *r,
     GP_TRY(gp_planes_make(log, "bound", n, layer));
     GP_TRY(gp_sources_make(log, &frame, n, &light));
     for (size_t i = 0; i < n; i++) {
-        float rgb[3];
+        const float rgb[3] = {fabsf(r->d.c[0][i]), fabsf(r->d.c[1][i]),
+                              fabsf(r->d.c[2][i])};
+        if (!(gp_maxf(gp_maxf(rgb[0], rgb[1]), rgb[2]) >= FLT_MIN))
+            continue;
+        gp_sources_add(&light, (int) (i % (size_t) w), (int) (i / (size_t) w),
+                       rgb);
         for (int c = 0; c < 3; c++)
-            rgb[c] = gp_maxf(sign * r->d.c[c][i], 0.0f);
-        if (rgb[0] > 0.0f || rgb[1] > 0.0f || rgb[2] > 0.0f)
-            gp_sources_add(&light, (int) (i % (size_t) w),
-                           (int) (i / (size_t) w), rgb);
+            light.rgb[c][light.n - 1] = r->d.c[c][i];
     }
     gp_sources_finish(&light);
     if (light.n)
@@ -157,7 +160,7 @@ static gp_status find_grouping(const struct gp_log *log,
     gp_status st = GP_OK;
     const struct gp_fftwd *lib;
     struct gp_kernel k = *kernel;
-    struct gp_planes light = {0}, dark = {0};
+    struct gp_planes layer = {0};
     const size_t w = (size_t) r->w + 2 * (size_t) r->pad;
     const size_t n = w * ((size_t) r->h + 2 * (size_t) r->pad);
     const bool transforms = !gp_fftwd_open(NULL, &lib);
@@ -166,12 +169,11 @@ static gp_status find_grouping(const struct gp_log *log,
     k.far = NULL;
     k.lit = NULL;
     k.serial = 0; // no engine keeps what it makes of it
-    if (transforms) {
-        GP_TRY(spread(log, r, src, 1.0f, &k, &light));
-        GP_TRY(spread(log, r, src, -1.0f, &k, &dark));
-    }
+    k.negative = true; // as its light is: nothing is made black
+    if (transforms)
+        GP_TRY(spread(log, r, src, &k, &layer));
     for (int c = 0; c < 3; c++) {
-        double d = 0.0, sum = 0.0, both = 0.0, sizes = 0.0; // squares
+        double d = 0.0, sum = 0.0, sizes = 0.0; // squares
         for (size_t i = 0; i < n; i++)
             d += (double) r->d.c[c][i] * (double) r->d.c[c][i];
         for (size_t i = 0; i < polygons->n; i++)
@@ -179,24 +181,18 @@ static gp_status find_grouping(const struct gp_log *log,
                      (double) polygons->at[i].rgb[c];
         for (int y = r->pad; transforms && y < r->h + r->pad; y++) {
             for (size_t i = (size_t) y * w + (size_t) r->pad;
-                 i < (size_t) (y + 1) * w - (size_t) r->pad; i++) {
-                const double a = (double) light.c[c][i];
-                const double b = (double) dark.c[c][i];
-                sum += (a - b) * (a - b);
-                both += (a + b) * (a + b);
-            }
+                 i < (size_t) (y + 1) * w - (size_t) r->pad; i++)
+                sum += (double) layer.c[c][i] * (double) layer.c[c][i];
         }
-        // layers are rounded to float once; a transform in double adds little.
+        // the layer is rounded to float once; a transform in double adds little.
         // A pixel of the residue takes a few roundings of its cell's light
         const double young = kernel->norm1[c] * sqrt(d);
-        norm[c] = transforms ? sqrt(sum) + 0x1p-23 * sqrt(both) +
-                                   0x1p-40 * young
-                             : young;
+        norm[c] =
+            transforms ? (1.0 + 0x1p-23) * sqrt(sum) + 0x1p-40 * young : young;
         norm[c] += d > 0.0 ? 0x1p-21 * kernel->norm1[c] * sqrt(sizes) : 0.0;
     }
 out:
-    gp_planes_free(&light);
-    gp_planes_free(&dark);
+    gp_planes_free(&layer);
     return st;
 }
 
