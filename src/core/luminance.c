@@ -1,6 +1,7 @@
 #include "core/luminance.h"
 
 #include "core/bytes.h"
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -11,6 +12,29 @@
 #include <string.h>
 
 // -- sums of planes ----------------------------------------------------------
+
+GP_CLONES void gp_samples_add(const float *v, int n, double *squares,
+                              double *sum)
+{
+    enum { LANES = 8 };
+    double square[LANES] = {0}, whole[LANES] = {0}; // become vectors
+    int x = 0;
+    for (; x + LANES <= n; x += LANES) {
+        for (int i = 0; i < LANES; i++) {
+            const double one = (double) v[x + i];
+            square[i] += one * one;
+            whole[i] += one;
+        }
+    }
+    for (; x < n; x++) {
+        square[0] += (double) v[x] * (double) v[x];
+        whole[0] += (double) v[x];
+    }
+    for (int i = 0; i < LANES; i++) {
+        *squares += square[i];
+        *sum += whole[i];
+    }
+}
 
 struct plane_sums {
     const struct gp_planes *p;
@@ -23,17 +47,14 @@ struct plane_sums {
 static void sum_band(void *ctx, int band, int thread)
 {
     struct plane_sums *const s = ctx;
-    const size_t end = gp_band_start(s->pixels, band + 1);
+    const size_t at = gp_band_start(s->pixels, band);
+    const size_t n = gp_band_start(s->pixels, band + 1) - at;
     double squares = 0.0;
     (void) thread;
     for (int c = 0; c < 3; c++) {
-        double sum = 0.0;
-        for (size_t i = gp_band_start(s->pixels, band); i < end; i++) {
-            const double v = (double) s->p->c[c][i];
-            sum += v;
-            squares += v * v;
-        }
-        s->band[band].sum[c] = sum;
+        s->band[band].sum[c] = 0.0;
+        gp_samples_add(s->p->c[c] + at, (int) n, &squares,
+                       &s->band[band].sum[c]);
     }
     s->band[band].squares = squares;
 }
@@ -72,11 +93,10 @@ static void sum_rows(void *ctx, int band, int thread)
          y < gp_band_start(rows, band + 1); y++) {
         const size_t from = (y + (size_t) (at->y0 - data->y0)) * w +
                             (size_t) (at->x0 - data->x0);
-        const size_t end = from + (size_t) (at->x1 - at->x0);
+        const int seen = at->x1 - at->x0;
         for (int c = 0; c < 3; c++) {
-            double channel = 0.0;
-            for (size_t i = from; i < end; i++)
-                channel += (double) s->p->c[c][i];
+            double channel = 0.0, squares = 0.0;
+            gp_samples_add(s->p->c[c] + from, seen, &squares, &channel);
             sum += (double) s->f->luminance[c] * channel;
         }
     }

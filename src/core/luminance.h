@@ -32,6 +32,9 @@ gp_lit_luminance(const float weight[3], float r, float g, float b)
            weight[2] * gp_lit(b);
 }
 
+/* Adds the sum of n samples, and of their squares. */
+void gp_samples_add(const float *v, int n, double *squares, double *sum);
+
 /* Sums each of three planes of `pixels`, and the squares in all of them. */
 void gp_planes_sum(const struct gp_planes *p, size_t pixels, double sum[3],
                    double *squares);

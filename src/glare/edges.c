@@ -169,13 +169,14 @@ struct seeing {
     struct gp_beyond *b;
     const struct cell *cell;
     int cells, corners; // of the border; in a row
+    bool part;          // of the light of the border
     float *sums; // 10 rows of corners for each thread
 };
 
-/* Adds a cell to the sums of a row of corners: of weights, of roots, and of the
- * light of the part and of all, each times weights. */
+/* Adds a cell to the sums of a row of corners: of weights, of roots, and where
+ * the light is a part, of that and of all, each times weights. */
 GP_CLONES static void add_cell(const struct cell *restrict cell, float y,
-    int side, int n, float *restrict sums)
+                               bool part, int side, int n, float *restrict sums)
 {
     const float up = y - cell->y, soft = up * up + (float) (side * side);
     const float step = (float) side;
@@ -184,8 +185,9 @@ GP_CLONES static void add_cell(const struct cell *restrict cell, float y,
         const float d2 = dx * dx + soft;
         const float v = cell->length / (d2 * sqrtf(d2));
         sums[i] += v;
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++)
             sums[i + (1 + c) * n] += v * cell->root[c];
+        for (int c = 0; c < 3 && part; c++) {
             sums[i + (4 + c) * n] += v * cell->own[c];
             sums[i + (7 + c) * n] += v * cell->all[c];
         }
@@ -213,14 +215,15 @@ static void see_row(void *ctx, int row, int thread)
     float *const sums = a->sums + (size_t) thread * 10 * (size_t) n;
     memset(sums, 0, 10 * (size_t) n * sizeof *sums);
     for (int i = 0; i < a->cells; i++)
-        add_cell(&a->cell[i], (float) (row * b->side), b->side, n, sums);
+        add_cell(&a->cell[i], (float) (row * b->side), a->part, b->side, n,
+                 sums);
     for (int c = 0; c < 3; c++) {
         float *const out = sums + (1 + c) * n;
         const float *const own = sums + (4 + c) * n, *const all = own + 3 * n;
         for (int i = 0; i < n; i++) {
             const float r = out[i] / sums[i];
             const float part = all[i] > 0.0f ? own[i] / all[i] : 0.0f;
-            out[i] = r * r * r * part;
+            out[i] = r * r * r * (a->part ? part : 1.0f);
         }
         fill_between(out, b->side, b->w, b->b[c] + (size_t) row * (size_t) b->w);
     }
@@ -264,10 +267,7 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
         GP_TRY(gp_alloc(log, "edges", n, sizeof *b->b[c], &b->b[c]));
     GP_TRY(gp_alloc(log, "edges", (size_t) gp_threads() * 10 *
                     (size_t) corners, sizeof *sums, &sums));
-    struct seeing seeing = {
-        .b = b, .cell = border.cell, .cells = cells, .corners = corners,
-        .sums = sums,
-    };
+    struct seeing seeing = {b, border.cell, cells, corners, own != s, sums};
     gp_parallel_do(b->rows, see_row, &seeing);
     for (int i = 0; i < 3 * b->rows; i++) {
         const float *const row = b->b[i % 3] + (size_t) (i / 3) * (size_t) b->w;
@@ -381,7 +381,7 @@ GP_CLONES static void add_light(float *restrict layer,
     }
 }
 
-void gp_beyond_add_row(void *ctx, int i, int thread)
+GP_CLONES void gp_beyond_add_row(void *ctx, int i, int thread)
 {
     const struct gp_outside *const o = ctx;
     const struct gp_beyond *const b = o->b;

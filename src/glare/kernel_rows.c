@@ -1,36 +1,11 @@
 #include "glare/kernel_rows.h"
 
-#include "core/cpu.h"
+#include "core/luminance.h"
 #include "core/minmax.h"
 
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-
-/* Adds the squares and the samples of n in eight parts, so that it becomes
- * vector code. */
-GP_CLONES static void add_samples(const float *v, int n, double *squares,
-                                  double *sum)
-{
-    enum { LANES = 8 };
-    double square[LANES] = {0}, whole[LANES] = {0};
-    int x = 0;
-    for (; x + LANES <= n; x += LANES) {
-        for (int i = 0; i < LANES; i++) {
-            const double one = (double) v[x + i];
-            square[i] += one * one;
-            whole[i] += one;
-        }
-    }
-    for (; x < n; x++) {
-        square[0] += (double) v[x] * (double) v[x];
-        whole[0] += (double) v[x];
-    }
-    for (int i = 0; i < LANES; i++) {
-        *squares += square[i];
-        *sum += whole[i];
-    }
-}
 
 void gp_row_sides(const float *row, int w, int cx, int reach, double side[4])
 {
@@ -38,7 +13,7 @@ void gp_row_sides(const float *row, int w, int cx, int reach, double side[4])
         const int from = gp_max(i ? cx : cx - reach, 0);
         const int last = gp_min(i ? cx + reach : cx, w - 1);
         side[i] = side[2 + i] = 0.0;
-        add_samples(row + from, last + 1 - from, &side[i], &side[2 + i]);
+        gp_samples_add(row + from, last + 1 - from, &side[i], &side[2 + i]);
     }
 }
 

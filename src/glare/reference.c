@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Beyond so many taps the plain loops would take minutes. */
-static const double MOST_TAPS = 3e9;
+/* Beyond so many taps of a channel the plain loops would take minutes. */
+static const double MOST_TAPS = 1e9;
 
 struct plain {
     const struct gp_sources *src;
@@ -84,7 +84,7 @@ static gp_status sum_plain(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k, double *layer)
 {
     gp_status st;
-    if (3.0 * gp_direct_work(src, k->w, k->h, k->cx, k->cy) <= MOST_TAPS) {
+    if (gp_direct_work(src, k->w, k->h, k->cx, k->cy, MOST_TAPS) <= MOST_TAPS) {
         gp_glare_reference_direct(src, k, layer);
         return GP_OK;
     }

@@ -211,10 +211,10 @@ static int overlap(int at, int c, int n, int limit)
 }
 
 double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
-                      int cy)
+                      int cy, double most)
 {
     double work = 0.0;
-    for (int y = 0; y < src->h; y++) {
+    for (int y = 0; y < src->h && work <= most; y++) {
         const double rows = overlap(y, cy, h, src->h);
         double cols = 0.0;
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)

@@ -48,9 +48,9 @@ double gp_direct_quads(const struct gp_sources *src);
 double gp_direct_bound(const struct gp_kernel *k, size_t n);
 
 /* Multiply-adds that gp_direct_sum makes on a channel: each source's kernel,
- * cut to the frame. */
+ * cut to the frame. No more rows are counted from where they are over `most`. */
 double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
-                      int cy);
+                      int cy, double most);
 
 // -- quad.c -------------------------------------------------------------------
 //

@@ -239,6 +239,8 @@ struct gp_far_rows {
     struct gp_planes *layer;
 };
 
+typedef float four __attribute__((vector_size(TAPS * sizeof(float))));
+
 /* Adds the lights [from, to) of a row to the nodes of a line, channel after
  * channel. */
 static void spread_along(const struct gp_far_rows *a, uint32_t from, uint32_t to,
@@ -251,18 +253,19 @@ static void spread_along(const struct gp_far_rows *a, uint32_t from, uint32_t to
     const float *const b = src->rgb[2];
     for (uint32_t i = from; i < to;) {
         const int node = src->x[i] >> bits;
-        float sum[3][TAPS] = {{0}};
+        four sum[3] = {{0}}, w;
         for (; i < to && src->x[i] >> bits == node; i++) {
-            const float *const w = a->s->weight[src->x[i] & mask];
-            for (int k = 0; k < TAPS; k++) {
-                sum[0][k] += w[k] * r[i];
-                sum[1][k] += w[k] * g[i];
-                sum[2][k] += w[k] * b[i];
-            }
+            memcpy(&w, a->s->weight[src->x[i] & mask], sizeof w);
+            sum[0] += w * r[i];
+            sum[1] += w * g[i];
+            sum[2] += w * b[i];
         }
-        for (size_t k = 0; k < 3 * TAPS; k++)
-            line[k / TAPS * a->pitch + (size_t) node + k % TAPS] +=
-                sum[k / TAPS][k % TAPS];
+        for (size_t c = 0; c < 3; c++) {
+            float *const at = line + c * a->pitch + (size_t) node;
+            memcpy(&w, at, sizeof w);
+            w += sum[c];
+            memcpy(at, &w, sizeof w);
+        }
     }
 }
 
