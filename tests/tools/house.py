@@ -40,8 +40,8 @@ LIBRARIES = [
 # Files of an unusual size, and why.
 SHORT, LONG = 80, 700
 SIZES = {  # path below src: reason
-    "core/half.c": "halfs to floats and back",
     "core/image.c": "planes; what a picture is stands in its header",
+    "glare/kernel_rows.c": "sums that the kernel and fft take in one order",
     "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",
 }
 SUBJECT = re.compile(
