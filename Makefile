@@ -14,7 +14,7 @@ CXX ?= c++
 AR ?= ar
 PKG_CONFIG ?= pkg-config
 
-PACKAGES := OpenEXR libpng libdeflate jansson fftw3f fftw3
+PACKAGES := OpenEXR libpng libdeflate jansson
 pc = $(shell $(PKG_CONFIG) $(1) $(2) 2>/dev/null)
 
 WARN := -Wall -Wextra -Wconversion -Werror

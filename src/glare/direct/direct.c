@@ -231,7 +231,8 @@ static gp_status run_direct(const struct gp_glare_request *req, void **state)
     (void) state;
     if (st)
         return st;
-    req->stats->bound = gp_direct_bound(req->kernel, req->src->n);
+    if (!(req->stats->bound > 0.0))
+        req->stats->bound = gp_direct_bound(req->kernel, req->src->n);
     st = gp_direct_sum(req->log, req->src, &taps, false, req->layer);
     gp_taps_free(&taps);
     return st;
