@@ -99,7 +99,7 @@ struct light_rows {
     const struct gp_sources *src;
     const struct gp_fft_placing *p;
     struct gp_planes *layer;
-    float centre[3], noise[3];  // of the kernel; samples under it become 0
+    float centre[3], noise[3];  // of the kernel; samples up to it become 0
     struct gp_layer_rest *rest; // or NULL
     int *y;                     // of row j of light
     double *dropped;            // by channel and row of the layer: sum of squares
@@ -114,16 +114,28 @@ static void load_light_row(const void *ctx, int c, int j, float *z)
         z[s->x[i] - r->p->in.x0] = s->rgb[c][i];
 }
 
-/* Makes samples under `noise` black. Returns the sum of squares of those that
- * were not. */
-GP_CLONES static double clean_row(float *row, int n, float noise)
+/* Copies n samples, those under `noise` as black. Returns the sum of squares of
+ * those that were not. */
+GP_CLONES static double take_row(const float *restrict z, int n, float noise,
+                                 float *restrict row)
 {
-    float sum = 0.0f;
-    for (int x = 0; x < n; x++) {
-        const float v = row[x];
-        row[x] = v > noise ? v : 0.0f;
-        sum += v > noise || v <= 0.0f ? 0.0f : v * v;
+    enum { LANES = 8 };
+    float lost[LANES] = {0}, sum = 0.0f;
+    int x = 0;
+    for (; x + LANES <= n; x += LANES) {
+        for (int i = 0; i < LANES; i++) {
+            const float v = z[x + i], kept = v > noise ? v : 0.0f;
+            const float less = gp_maxf(v - kept, 0.0f);
+            row[x + i] = kept;
+            lost[i] += less * less;
+        }
     }
+    for (; x < n; x++) {
+        row[x] = z[x] > noise ? z[x] : 0.0f;
+        sum += z[x] > 0.0f ? (z[x] - row[x]) * (z[x] - row[x]) : 0.0f;
+    }
+    for (int i = 0; i < LANES; i++)
+        sum += lost[i];
     return (double) sum;
 }
 
@@ -140,11 +152,11 @@ static void store_layer_row(const void *ctx, int c, int j, int thread,
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
     const int first = gp_fft_wrap(p->out.x0 - p->in.x0, p->nx);
     const int n = gp_rect_w(p->out), upper = gp_min(n, p->nx - first);
-    memcpy(row + p->out.x0, z + first, (size_t) upper * sizeof *row);
-    memcpy(row + p->out.x0 + upper, z, (size_t) (n - upper) * sizeof *row);
+    const double lost =
+        take_row(z + first, upper, r->noise[c], row + p->out.x0) +
+        take_row(z, n - upper, r->noise[c], row + p->out.x0 + upper);
     memset(row + p->out.x1, 0, (size_t) (src->w - p->out.x1) * sizeof *row);
-    if (r->dropped)
-        r->dropped[c * src->h + y] = clean_row(row + p->out.x0, n, r->noise[c]);
+    r->dropped[c * src->h + y] = lost;
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
         row[src->x[i]] += src->rgb[c][i] * r->centre[c];
     if (r->rest)
@@ -212,13 +224,12 @@ static gp_status transform(const struct gp_glare_request *req,
     rows.place = place;
     for (int c = 0; c < 3; c++) {
         light.centre[c] = centre_of(req->kernel, c);
-        light.noise[c] =
-            (float) (LEFT_OUT * gp_fft_rounding(in_double) *
-                     gp_fft_noise(p, src, &s->norms, c));
+        light.noise[c] = req->kernel->negative ? -INFINITY
+            : (float) (LEFT_OUT * gp_fft_rounding(in_double) *
+                       gp_fft_noise(p, src, &s->norms, c));
     }
-    if (!req->kernel->negative)
-        GP_TRY(gp_alloc_zero(req->log, "transform", 3 * (size_t) src->h,
-                             sizeof *light.dropped, &light.dropped));
+    GP_TRY(gp_alloc_zero(req->log, "transform", 3 * (size_t) src->h,
+                         sizeof *light.dropped, &light.dropped));
     GP_TRY(gp_fft_find_spectrum(req, &fft, p, &s->spectrum));
     GP_TRY(gp_fft_matrix_make(
         req->log, (struct gp_fft_numbers) {.in_double = in_double}, 1, p->nx,
