@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: deb.sh TREE VERSION FOLDER
 # Makes Debian packages FOLDER/NAME_VERSION_ARCH.deb of TREE, a folder in which `make
 # install PREFIX=/usr` has put its files; adds what Debian asks for: libglarepp0,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Prints src/glare/fft/known.c: plans of the lengths that fft takes most.
  *
  *   plans [ROUNDS]
@@ -147,7 +148,8 @@ static int print_head(const struct arrays *a)
     const char *const line = strtok(wisdom, "\n");
     if (!line || strlen(line) > 74)
         return fail(line ? line : "empty");
-    printf("/* Plans of the lengths that fft takes most, measured by\n"
+    printf("// SPDX-License-Identifier: Apache-2.0\n"
+           "/* Plans of the lengths that fft takes most, measured by\n"
            " *\n"
            " *     make known-plans\n"
            " *\n"
@@ -165,7 +167,8 @@ static int print_head(const struct arrays *a)
            "          \\\n"
            "    \" #x\" #c \" #x\" #d \")\"\n\n"
            "static const struct {\n    int n;\n    const char *wisdom;\n"
-           "} known[] = {\n", line, flags);
+           "} known[] = {\n",
+           line, flags);
     free(wisdom);
     return 0;
 }

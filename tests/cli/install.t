@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Files that make install, make uninstall and make deb install and remove;
 # shells complete with what is installed; glarepp help.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Reports and messages: the report's fields, -q, -v, --progress, --help,
 # --version.
 . "$(dirname "$0")/lib.sh"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The engine fft; split.c chooses the part that goes direct, spectrum.c makes
  * the kernel's spectrum, pass.c has the transforms. */
 #include "core/cpu.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Convolution by fast Fourier transforms: FFTW, the passes over rows and
  * columns, and a layer's lower limit. The engine is gp_engine_fft. */
 #ifndef GP_GLARE_FFT_FFT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the .c files of this folder. split.c: places a convolution on its
  * torus, predicts its cost, bounds its error, and chooses the part of the sum
  * that goes direct. */

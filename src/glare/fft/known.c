@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Plans of the lengths that fft takes most, measured by
  *
  *     make known-plans

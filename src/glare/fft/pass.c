@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The passes over rows and columns, in float and, from the same text
  * (pass_body.inc), in double. */
 #include "core/cpu.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* FFTW by dlopen, transform lengths, and plans. */
 #include "core/memory.h"
 #include "glare/fft/fft_priv.h"

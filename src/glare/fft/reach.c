@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The sources' reach: pixels where a float transform leaves rounding noise and
  * the sum itself has no term. It is the support of the light dilated by the
  * support of the kernel, by bits of rows.

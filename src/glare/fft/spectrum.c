@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The kernel's spectrum, less its core: made with a frame, kept for more. */
 #include "core/cpu.h"
 #include "core/memory.h"
