@@ -34,14 +34,13 @@ Upstream-Name: glarepp
 
 Files: *
 Copyright: ${day##* } the authors of glarepp
-License: GPL-3+
- This program is free software: you can redistribute it and/or modify it
- under the terms of the GNU General Public License as published by the Free
- Software Foundation, either version 3 of the License, or (at your option) any
- later version.
+License: Apache-2.0
+ Licensed under the Apache License, Version 2.0 (the "License"); you may not use
+ these files except in compliance with the License. They come without
+ warranties or conditions of any kind.
  .
- On Debian systems the text of that license is in
- /usr/share/common-licenses/GPL-3.
+ On Debian systems the text of the License is in
+ /usr/share/common-licenses/Apache-2.0.
 EOF
     gzip -9n >"$doc/changelog.gz" <<EOF
 glarepp ($version) unstable; urgency=medium

@@ -124,7 +124,7 @@ package()
         "$root/man/glarepp.1" 2>&1)" '' 'its man page'
     like "$(gzip -dc tree/usr/share/doc/glarepp/changelog.gz)" \
         "glarepp ($version) *" 'its changelog'
-    like "$(cat tree/usr/share/doc/glarepp/copyright)" '*GPL-3+*' 'its licence'
+    like "$(cat tree/usr/share/doc/glarepp/copyright)" '*License: Apache-2.0*' 'its licence'
     is "$(dpkg-deb -c first.deb | awk '$2 != "root/root"')" '' \
         'all of it is root'\''s'
     like "$(tree/usr/bin/glarepp --version)" "glarepp $version*" \
