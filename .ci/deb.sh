@@ -87,9 +87,8 @@ EOF
 
 # -- the library ------------------------------------------------------------------
 
-# FFTW and GL are opened at run time, where nothing sees them; without GL the
-# engine splat and the mask of the sun are missing, all else is there
-opened="libfftw3-double3, libfftw3-single3"
+# GL is opened at run time, where nothing sees it; without it the engine splat and
+# the mask of the sun are missing, all else is there
 gl="Recommends: libosmesa6 | libegl1"
 strip --strip-unneeded "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*
 so=$(find "$tree/usr/lib" -name libglarepp.so.0)
@@ -112,7 +111,7 @@ echo activate-noawait ldconfig >"$work/run/DEBIAN/triggers"
 depends=$(needs "$work/run$lib/libglarepp.so.0" "$work/run/usr/lib/glarepp/"*)
 [ -n "$depends" ]
 package libglarepp0 "$work/run" libs <<EOF
-Depends: $depends, $opened
+Depends: $depends
 $gl
 Description: glare of bright light in HDR images (shared library)
  libglarepp adds the glare that bright light makes in an eye or a lens to images
@@ -134,7 +133,7 @@ gzip -9n "$tree/usr/share/man/man1/glarepp.1"
 depends=$(needs "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*)
 [ -n "$depends" ]
 package glarepp "$tree" graphics <<EOF
-Depends: $depends, $opened, libglarepp0 (= $version)
+Depends: $depends, libglarepp0 (= $version)
 $gl
 Description: add the glare of bright light to HDR frames
  glarepp reads scene-linear OpenEXR frames, adds the glare that bright light
