@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # glarepp: build, install. `make help` lists the targets; those that test, measure and
 # lint are in tests/Makefile. V=1 prints whole commands.
 #

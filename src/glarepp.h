@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* libglarepp: the glare that bright light makes in an eye or a lens, laid over
  * scene-linear pictures in memory, with a bound on its error.
  *

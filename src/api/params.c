@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Parameters as a caller gives them: of whatever version, each in its range. */
 #include "api/api.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The steps of a frame that are not its lights', its lens's and its scene's; and
  * the order of all. */
 #include "api/plan.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The commands; lists that the table of options names: its headings, the
  * styles, and values that the library and io list. */
 #include "cli/options.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/commands.h"
 #include "cli/machine.h"
 #include "cli/listener.h"
@@ -68,7 +69,7 @@ static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
         gp_io_versions(io, sizeof io);
         printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
                "needed: OpenImageIO, OpenColorIO, OSMesa, EGL\n"
-               "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
+               "Apache-2.0; no warranty\n", io, jansson_version_str());
     }
     return st ? st : gp_flush_text(log);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The command line: its settings, and the one table of options that lookup.c,
  * parse.c, check.c, help.c and report.c read. */
 #ifndef GP_CLI_OPTIONS_H

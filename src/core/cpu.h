@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Run-time choice of wider vectors.
  *
  * GP_CLONES before a function makes the compiler build it twice, for the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Engines: ways to compute the glare layer.
  *
  *   layer(p) = sum over sources q of source(q) * kernel(p - q)

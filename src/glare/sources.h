@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Sources: the light that glare spreads, as a sparse list of pixels. Sensors
  * make one from a frame; lights whose flux was given join it. */
 #ifndef GP_GLARE_SOURCES_H

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Usage: run.sh BUILD FRAMES
 # Measures the figures of README and manual on this machine. FRAMES is a folder that
 # holds w1..w3 (few lights, windows, a sky) at 1024x768, 1920x1080, 3840x2160

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks the rules of the house: includes between rooms, circles of calls, tags,
-private headers, sizes, globals, subjects of commits.
+private headers, sizes, licences, globals, subjects of commits.
 
 Usage: house.py ROOT BUILD     BUILD must have its objects
 
@@ -44,6 +45,9 @@ SIZES = {  # path below src: reason
     "glare/kernel_rows.c": "sums that the kernel and fft take in one order",
     "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",
 }
+LICENCE = "SPDX-License-Identifier: Apache-2.0"
+COMMENTED = (".c", ".h", ".cpp", ".inc", ".glsl", ".frag", ".vert", ".py", ".sh", ".t",
+             ".awk", ".yaml")
 SUBJECT = re.compile(
     r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*(, [a-z0-9_/-]+)*: \S.*[^.]$")
 SINCE = "8c81615"  # later commits must have subjects of this form
@@ -134,6 +138,22 @@ def check_sizes(files):
         fault("readme", f"README.md has {lines} lines, not at most 150")
 
 
+def check_licences():
+    """The first line of each source, after one of #!, names its licence."""
+    for top in ("src", "tests", "examples", "man", ".ci"):
+        for folder, _, names in sorted(os.walk(os.path.join(ROOT, top))):
+            for name in sorted(names):
+                if not name.endswith(COMMENTED) and name != "Makefile":
+                    continue
+                path = os.path.join(folder, name)
+                with open(path, encoding="utf-8", errors="replace") as f:
+                    lines = [f.readline() for _ in range(2)]
+                line = lines[lines[0].startswith("#!")]
+                if line not in (f"// {LICENCE}\n", f"# {LICENCE}\n"):
+                    fault("licences", f"{os.path.relpath(path, ROOT)} does not begin "
+                                      f"with {LICENCE}")
+
+
 def symbols(files):
     """For each .c: the gp_ symbols that it defines, and those it uses."""
     defined, taken = {}, {}
@@ -211,6 +231,7 @@ def main():
     check_words(files)
     check_tags(files)
     check_sizes(files)
+    check_licences()
     defined, taken = symbols(files)
     check_circles(defined, taken)
     check_globals(files, defined, taken)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The convolution sum as it is written, source by source. */
 #ifndef GP_GLARE_DIRECT_DIRECT_H
 #define GP_GLARE_DIRECT_DIRECT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Applying a far field: light to the coarse grid, a convolution, and back. */
 #include "core/cpu.h"
 #include "core/memory.h"

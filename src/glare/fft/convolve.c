@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Matrices, and the passes over them. */
 #include "core/memory.h"
 #include "core/parallel.h"

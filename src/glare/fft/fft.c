@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The engine fft: one frame by transforms, in float or in double. */
 #include "core/cpu.h"
 #include "core/memory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Convolution by fast Fourier transforms. The engine is gp_engine_fft: fft.c is
  * its frame, place.c the torus and its bounds, spectrum.c the kernel's spectrum,
  * pass.c the passes over rows and columns, transform.c the transform. */

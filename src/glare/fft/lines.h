@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* One point of several lines, in the precision that a file is compiled for. */
 #ifndef GP_GLARE_FFT_LINES_H
 #define GP_GLARE_FFT_LINES_H

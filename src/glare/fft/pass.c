@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "glare/fft/pass.h"
 
 #include "core/cpu.h"

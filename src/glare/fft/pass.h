@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The passes of the two-dimensional convolution by Fourier transforms.
  *
  *   rows     Two real rows are one complex line z = a + ib, so that

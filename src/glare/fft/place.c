@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The torus: places on it, and what transforms of it leave. */
 #include "core/minmax.h"
 #include "glare/fft/fft.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The kernel's spectrum: made with a frame, kept for more. */
 #include "core/memory.h"
 #include "core/minmax.h"

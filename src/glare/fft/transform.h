@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Complex transforms of many lines at once, rows or columns of a matrix.
  *
  *   Z(k) = sum over x in [0, n) of z(x) exp(-2 pi i k x / n)

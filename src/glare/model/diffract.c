@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Fraunhofer diffraction: from the light that passes a pupil to a shape.
  *
  *   I(q)    = |sum over cells of t exp(2 pi i path / l) exp(-2 pi i q x)|^2

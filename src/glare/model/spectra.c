@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A pupil's autocorrelation by transforms, and a kernel's spectra by it:
  * diffract.c has the formulas.
  *

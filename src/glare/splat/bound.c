@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Bounds the error of a splat layer before anything is drawn. Its parts:
  *
  *   grouping   the kernel, spread over sources less polygons, by a transform in

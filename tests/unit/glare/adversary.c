@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The engines' bounds, from above and from below: frames of a few pixels and
  * kernels of a few samples, made by a search for the largest error over its
  * bound. No frame on the search's way may be over its bound, and the worst

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/bound/bound.c, fft/fft.c: what every single pixel of a layer keeps. */
 #include "unit.h"
 #include "glare/fft/fft.h"

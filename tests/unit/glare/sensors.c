@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Sensors by their contract's words, and lists of sources, which are whole
  * however they were made. */
 #include "unit.h"
