@@ -179,9 +179,17 @@ static void store_dark_row(void *ctx, int i, int thread)
     }
 }
 
-/* Samples up to so many times the noise are none: of a frame's black samples one
- * in a million is over it. */
-static const double LEFT_OUT = 5.0;
+/* Returns what counts as noise of a sample of channel c: LEFT_OUT deviations; in
+ * double, where that is nothing, all that it can be, so that black stays black. */
+static double noise_of(const struct gp_glare_request *req,
+    const struct gp_fft_placing *p, const struct gp_fft_norms *k, bool in_double,
+    int c)
+{
+    static const double LEFT_OUT = 6.0;
+    return gp_fft_rounding(in_double) *
+           (in_double ? gp_fft_pixel_error(p, req->src, k, c)
+                      : LEFT_OUT * gp_fft_noise(p, req->src, k, c));
+}
 
 /* Makes the transforms of a frame's lengths, unless the state has them. */
 static gp_status find_pair(const struct gp_glare_request *req,
@@ -226,8 +234,7 @@ static gp_status transform(const struct gp_glare_request *req,
     for (int c = 0; c < 3; c++) {
         light.centre[c] = centre_of(req->kernel, c);
         light.noise[c] = req->kernel->negative ? -INFINITY
-            : (float) (LEFT_OUT * gp_fft_rounding(in_double) *
-                       gp_fft_noise(p, src, &s->norms, c));
+            : (float) noise_of(req, p, &s->norms, in_double, c);
     }
     GP_TRY(gp_alloc_zero(req->log, "transform", 3 * (size_t) src->h,
                          sizeof *light.dropped, &light.dropped));
@@ -366,8 +373,8 @@ static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
     };
     for (int c = 0; c < 3 && f.p.nx; c++)
         out->of[c] = gp_fft_rounding(f.in_double) *
-                     (gp_fft_pixel_error(&f.p, req->src, &s->norms, c) +
-                      LEFT_OUT * gp_fft_noise(&f.p, req->src, &s->norms, c));
+                         gp_fft_pixel_error(&f.p, req->src, &s->norms, c) +
+                     noise_of(req, &f.p, &s->norms, f.in_double, c);
     return GP_OK;
 }
 

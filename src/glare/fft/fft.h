@@ -115,7 +115,8 @@ double gp_fft_pixel_error(const struct gp_fft_placing *p,
     const struct gp_sources *s, const struct gp_fft_norms *k, int c);
 
 /* Estimates the deviation of a sample's error in channel c, over
- * gp_fft_rounding(): what three transforms leave that only add, spread evenly. */
+ * gp_fft_rounding(): what the two transforms there and the one back leave, spread
+ * evenly, the layer's norm being what Young's inequality allows. */
 double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
                     const struct gp_fft_norms *k, int c);
 

@@ -239,9 +239,6 @@ void OF(multiply)(void *ctx, int i, int thread)
         const struct point *const from = z + (y < upper ? s->first + y : y - upper);
         block[y] = (struct point) {from->im, from->re};
     }
-    // the last rows go back together; those past the end are dark
-    const int rest = (s->count + ROWS - 1) / ROWS * ROWS - s->count;
-    memset(block + s->count, 0, sizeof *block * (size_t) rest);
 }
 
 void OF(rows_out)(void *ctx, int i, int thread)
@@ -249,6 +246,10 @@ void OF(rows_out)(void *ctx, int i, int thread)
     const struct gp_pass *const s = ctx;
     struct task t = open_task(s, i, thread);
     const int n = s->t->n, first = t.block * ROWS;
+    const int past = first + ROWS - s->rows.n; // rows of the last lines, dark
+    for (int b = 0; past > 0 && b < s->m->blocks; b++)
+        memset(block_of(s->m, t.c, b) + s->rows.n, 0,
+               sizeof(struct point) * (size_t) past);
     join(block_of(s->m, t.c, 0) + first, s->m->pitch, s->m->blocks, n, t.z);
     transform(s, &t);
     float *const rows = (void *) t.other;

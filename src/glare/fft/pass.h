@@ -93,7 +93,7 @@ GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
 typedef void (*gp_fft_store)(const void *ctx, int c, int j, int thread,
                              const float *z);
 
-/* Transforms rows [0, rows) back. */
+/* Transforms rows [0, rows) back; those after them in their lines are spoilt. */
 GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_request *req,
     const struct gp_fft_matrix *m, int rows, gp_fft_store store,
     const void *ctx);

@@ -138,6 +138,9 @@ double gp_fft_pixel_error(const struct gp_fft_placing *p,
 double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
                     const struct gp_fft_norms *k, int c)
 {
-    const double points = (double) p->nx * p->ny;
-    return ADDING * sqrt(3.0 * log2(points) * s->energy[c] / points) * k->norm[c];
+    const double points = (double) p->nx * p->ny, light = sqrt(s->energy[c]);
+    const double layer = fmin(light * k->sum[c], s->flux[c] * k->norm[c]);
+    const double there = light * k->norm[c];
+    return STAGE * sqrt(log2(points) / points *
+                        (2.0 * there * there + layer * layer));
 }
