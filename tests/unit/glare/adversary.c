@@ -62,6 +62,7 @@ static bool open_toy(const struct toy *t, struct scene *s)
     const gp_status st = gp_kernel_from_frame(NULL, &kp, &image, &s->k);
     gp_image_free(&image);
     if (!st && !gp_sense(NULL, &open_all, &s->f, &s->src) && s->src.n) {
+        s->src.visible = s->src.hidden = 0.0; // no noise shows: fft is in float
         scene_find_exact(s);
         return true;
     }
@@ -100,9 +101,9 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
         .layer = &s->f.layer,
     };
     p.tolerance = 0.0f; // the least bound that can be found
-    p.gain = 1e-35f;    // no light is so hot that fft leaves it to direct
+    p.seen = INFINITY;
     if (scope == COMPOSITE) {
-        p.gain = e == &gp_engine_fft ? p.gain : 1e3f;
+        p.gain = e == &gp_engine_fft ? 1.0f : 1e3f;
         p.engine = e->name;
         p.tolerance_pixel = 1e-3f;
         assert_ok(gp_glare_run(NULL, &p, &g, &s->src, &s->k, &s->f, &stats));
