@@ -92,7 +92,7 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
     struct glarepp_errors error;
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct glarepp_layer_facts stats = {0};
-    struct gp_pixel_error of;
+    struct gp_pixel_error of = {0};
     void *state = NULL;
     double bound, worst = 0.0;
     scene_clear_layer(s);
