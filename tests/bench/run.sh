@@ -24,9 +24,6 @@ if [ -n "${PEER-}" ]; then
         "$frames" "$runs"
 fi
 
-echo "# plans of lengths, measured once"
-"$build/bench/plans" 1 2>&1 >/dev/null
-
 echo "# glare stage, the first frame of a run against later ones"
 /usr/bin/python3 "$here/first.py" "$glarepp" "$frames"
 

@@ -128,11 +128,13 @@ struct gp_fft_spectrum {
     unsigned long kernel;   // serial
     struct gp_fft_placing placing;
     bool in_double;
+    int channel;            // that it is of; -1: of all, or grey
     struct gp_fft_matrix m; // scaled so that the passes need no more factors
 };
 
-/* Makes *s the spectrum of the request's kernel, unless it is. Errors:
- * GP_ERR_BUG out of memory. */
+/* Makes *s the spectrum of the request's kernel for channel fft->channel, unless it
+ * is. A coloured kernel's that no later frame takes is made channel by channel in
+ * one plane. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
     const struct gp_fft_request *fft, const struct gp_fft_placing *p,
     struct gp_fft_spectrum *s);

@@ -189,7 +189,7 @@ static void find_root(int k, int n, double out[2])
 gp_status OF(transform_make)(const struct gp_log *log, int n,
                              struct gp_transform *out)
 {
-    static const int radices[] = {8, 7, 5, 4, 3, 2};
+    static const int radices[] = {8, 3, 5, 7, 4, 2};
     struct gp_transform t = {.n = n};
     int rest = n;
     for (size_t i = 0; i < sizeof radices / sizeof *radices; i++) {
