@@ -28,7 +28,7 @@ DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
 CFLAGS ?= -g1
 # (hidden code that may lie anywhere serves programs, archive and shared library: a
 # default run takes as long as with -fPIE)
-ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi -fPIC -fvisibility=hidden $(WARN) $(CFLAGS) $(HERE) \
+ALL_CFLAGS = -std=c11 $(OPT) -ffp-contract=off -fno-trapping-math -fno-math-errno -Wno-psabi -fPIC -fvisibility=hidden $(WARN) $(CFLAGS) $(HERE) \
              $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) $(call pc,--cflags,$(PACKAGES)) $(SAN)
 CXX_FLAGS = -std=c++17 $(OPT) -Wall -Wextra -Werror $(HERE) $(HARDEN_CXX) -Isrc
 # only OpenEXRCore: OpenEXR.pc would link the C++ library too
