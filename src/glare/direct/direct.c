@@ -1,5 +1,6 @@
 #include "glare/direct/direct.h"
 
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/engine.h"
@@ -91,9 +92,10 @@ void gp_taps_free(struct gp_taps *t)
 }
 
 /* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
-GP_FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
-    const float *k0, const float *k1, const float *k2, ptrdiff_t row_at,
-    float sum[3][STRIP])
+GP_CLONES static void sum_strip(const struct strip_source *s, uint32_t n,
+                                const float *k0, const float *k1,
+                                const float *k2, ptrdiff_t row_at,
+                                float sum[3][STRIP])
 {
     gp_vec total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
     while (n > 0) {

@@ -2,7 +2,6 @@
 #ifndef GP_GLARE_DIRECT_DIRECT_H
 #define GP_GLARE_DIRECT_DIRECT_H
 
-#include "core/cpu.h"
 #include "core/image.h"
 #include "core/status.h"
 #include "glare/kernel.h"
@@ -77,18 +76,6 @@ enum {
 typedef float gp_vec __attribute__((vector_size(4 * GP_DIRECT_LANES)));
 typedef float gp_loose __attribute__((vector_size(4 * GP_DIRECT_LANES),
                                       aligned(4), may_alias));
-
-/* Fused multiply-add where the CPU has it: half the instructions of the loops
- * that all direct work spends its time in. Such functions inline none but
- * macros. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&        \
-    !defined(GP_SANITIZED)
-#define GP_FUSED                                                              \
-    __attribute__((target_clones("fma", "default"),                           \
-                   optimize("fp-contract=fast")))
-#else
-#define GP_FUSED
-#endif
 
 /* Adds a group's sum to the total; `lost` keeps what rounding loses (Kahan
  * 1965). */

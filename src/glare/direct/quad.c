@@ -1,3 +1,4 @@
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/direct/direct.h"
@@ -172,8 +173,9 @@ struct quad_range {
 
 /* sum[row] = sum over quads of light * taps, four rows of a strip: each sample
  * of the kernel serves all four. */
-GP_FUSED static void sum_quads(struct quad_range p, const float *light,
-    const float *k, ptrdiff_t row, float sum[GP_QUAD * STRIP])
+GP_CLONES static void sum_quads(struct quad_range p, const float *light,
+                                const float *k, ptrdiff_t row,
+                                float sum[GP_QUAD * STRIP])
 {
     gp_vec total[GP_QUAD][2], lost[GP_QUAD][2];
     for (int r = 0; r < GP_QUAD; r++) {
