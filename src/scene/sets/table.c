@@ -1,6 +1,7 @@
 #include "scene/sets/sets_priv.h"
 
 #include "core/clock.h"
+#include "core/maths.h"
 #include "core/memory.h"
 
 #include <math.h>
@@ -79,10 +80,10 @@ static double texel_of(const struct rows *w)
     double widest = across; // of a cube's square
     for (int i = 0; i < w->s->lights; i++) {
         const struct gp_scene_light *const l = &w->s->light[i];
-        const double is = l->kind == GP_LIGHT_DIRECTIONAL
-                              ? gp_v3_length(gp_box_half(&w->all))
-                          : l->kind == GP_LIGHT_SPOT && l->outer < 1.05
-                              ? tan(l->outer) : 1.0;
+        const double is =
+            l->kind == GP_LIGHT_DIRECTIONAL ? gp_v3_length(gp_box_half(&w->all))
+            : l->kind == GP_LIGHT_SPOT && l->outer < 1.05 ? gp_tan(l->outer)
+                                                          : 1.0;
         widest = fmax(widest, across * is);
     }
     return widest;
