@@ -213,7 +213,7 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           python3 python3-numpy python3-scipy python3-openimageio python3-pil
 # Packages of a few tests, which are skipped without them
 EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \
-         clang-tidy clang-format cppcheck lintian strace
+         clang-tidy clang-format cppcheck lintian strace qemu-user
 deps: ## install: installs the Debian packages that are missing
 	@.ci/deps.sh "$(DEBIAN)" "$(EXTRA)"
 
