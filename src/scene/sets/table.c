@@ -84,7 +84,7 @@ static double texel_of(const struct rows *w)
             l->kind == GP_LIGHT_DIRECTIONAL ? gp_v3_length(gp_box_half(&w->all))
             : l->kind == GP_LIGHT_SPOT && l->outer < 1.05 ? gp_tan(l->outer)
                                                           : 1.0;
-        widest = fmax(widest, across * is);
+        widest = gp_maxd(widest, across * is);
     }
     return widest;
 }
