@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # glarepp: build, install. `make help` lists the targets; those that test, measure and
 # lint are in tests/Makefile. V=1 prints whole commands.
 #
@@ -14,7 +15,7 @@ CXX ?= c++
 AR ?= ar
 PKG_CONFIG ?= pkg-config
 
-PACKAGES := OpenEXR libpng libdeflate jansson fftw3f fftw3
+PACKAGES := OpenEXR libpng libdeflate jansson
 pc = $(shell $(PKG_CONFIG) $(1) $(2) 2>/dev/null)
 
 WARN := -Wall -Wextra -Wconversion -Werror

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: deb.sh TREE VERSION FOLDER
 # Makes Debian packages FOLDER/NAME_VERSION_ARCH.deb of TREE, a folder in which `make
 # install PREFIX=/usr` has put its files; adds what Debian asks for: libglarepp0,
@@ -33,14 +34,13 @@ Upstream-Name: glarepp
 
 Files: *
 Copyright: ${day##* } the authors of glarepp
-License: GPL-3+
- This program is free software: you can redistribute it and/or modify it
- under the terms of the GNU General Public License as published by the Free
- Software Foundation, either version 3 of the License, or (at your option) any
- later version.
+License: Apache-2.0
+ Licensed under the Apache License, Version 2.0 (the "License"); you may not use
+ these files except in compliance with the License. They come without
+ warranties or conditions of any kind.
  .
- On Debian systems the text of that license is in
- /usr/share/common-licenses/GPL-3.
+ On Debian systems the text of the License is in
+ /usr/share/common-licenses/Apache-2.0.
 EOF
     gzip -9n >"$doc/changelog.gz" <<EOF
 glarepp ($version) unstable; urgency=medium
@@ -87,9 +87,8 @@ EOF
 
 # -- the library ------------------------------------------------------------------
 
-# FFTW and GL are opened at run time, where nothing sees them; without GL the
-# engine splat and the mask of the sun are missing, all else is there
-opened="libfftw3-double3, libfftw3-single3"
+# GL is opened at run time, where nothing sees it; without it the engine splat and
+# the mask of the sun are missing, all else is there
 gl="Recommends: libosmesa6 | libegl1"
 strip --strip-unneeded "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*
 so=$(find "$tree/usr/lib" -name libglarepp.so.0)
@@ -112,7 +111,7 @@ echo activate-noawait ldconfig >"$work/run/DEBIAN/triggers"
 depends=$(needs "$work/run$lib/libglarepp.so.0" "$work/run/usr/lib/glarepp/"*)
 [ -n "$depends" ]
 package libglarepp0 "$work/run" libs <<EOF
-Depends: $depends, $opened
+Depends: $depends
 $gl
 Description: glare of bright light in HDR images (shared library)
  libglarepp adds the glare that bright light makes in an eye or a lens to images
@@ -134,7 +133,7 @@ gzip -9n "$tree/usr/share/man/man1/glarepp.1"
 depends=$(needs "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*)
 [ -n "$depends" ]
 package glarepp "$tree" graphics <<EOF
-Depends: $depends, $opened, libglarepp0 (= $version)
+Depends: $depends, libglarepp0 (= $version)
 $gl
 Description: add the glare of bright light to HDR frames
  glarepp reads scene-linear OpenEXR frames, adds the glare that bright light

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: deps.sh "PACKAGES" "EXTRA"
 # Installs the Debian packages that are missing, as root or with sudo. It fails
 # without PACKAGES; without EXTRA a few tests are skipped.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writes the JSON of glarepp --camera: camera and sun of each frame of a scene.
 
 Usage: blender -b shot.blend -P blender_camera.py -- shot.camera.json

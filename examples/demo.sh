@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: demo.sh GLAREPP FOLDER
 # Renders the example frames to FOLDER and prints files, times and errors.
 # `make demo` calls it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Adds glare to an array of pixels, and prints how wrong it may be.
  *
  *   cc embed.c $(pkg-config --cflags --libs glarepp) -o embed && ./embed

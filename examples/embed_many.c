@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A server's way: one plan, frames from several threads, and a way to stop.
  *
  *   cc embed_many.c $(pkg-config --cflags --libs glarepp) -pthread

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: layers.sh [GLAREPP]
 # For a compositor: the frame with glare and all its channels, the glare layer,
 # and the light sources, all as float and without tone mapping.

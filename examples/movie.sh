@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: movie.sh [GLAREPP [MOVIE [PATTERN SIZE]]]
 # Pipes frames into ffmpeg as 16-bit pixels. A MOVIE that ends in .mp4 plays in
 # browsers and QuickTime: H.264 in 4:2:0, an even size, BT.709 matrix and tags. Any

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: parallel.sh [GLAREPP [FOLDER [PATTERN RANGE...]]]
 # A sequence by ranges of frames (or frames) under GNU parallel: a job for each
 # processor, each on one thread. The first job that fails ends the others; with

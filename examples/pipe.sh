@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: pipe.sh [GLAREPP]
 # In a pipe: EXR in on stdin, EXR out on stdout.
 here=$(dirname "$0")

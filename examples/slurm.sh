@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # A sequence on a Slurm cluster: each task of the array makes a range of frames.
 #
 # Usage: sbatch --array=0-9 [SBATCH OPTIONS] slurm.sh FIRST LAST N INPUT OUTPUT

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: check.sh GLAREPP FRESH_PAGE COMMITTED_PAGE
 # The committed man page is what the program and glarepp.1.in make, is clean
 # mdoc, and names the same options and statuses as --help and the parser.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Makes the completions of a shell, bash, zsh or fish, of the rows that `glarepp
 # --help-table` prints: awk -v shell=SHELL -f completions.awk TABLE
 BEGIN { FS = "\t" }

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: gallery.sh GLAREPP
 # Makes man/gallery.md and man/pictures/ from the frames in examples/: every style,
 # kernel, flare and lens on one frame, and the pictures of README and manual.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Makes the man page: puts the rows that `glarepp --help-table` prints (first
 # file) as mdoc in the place of the lines @OPTIONS@, @BENCH@, @MODELS@ and
 # @EXIT@ of the page (second file).

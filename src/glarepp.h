@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* libglarepp: the glare that bright light makes in an eye or a lens, laid over
  * scene-linear pictures in memory, with a bound on its error.
  *
@@ -363,13 +364,10 @@ struct glarepp_layer_params {
     int group, cluster;    // pixels a side, powers of two to 64; 1 and 0: off
     float cluster_fill;    // bright share from which an area is one polygon
     float shrink;          // share of light that polygons may leave out, to 0.99
-    bool measure;          // measures FFTW's plans instead of estimating them,
-    const char *wisdom;    // and keeps them in this file; NULL: nowhere
 };
 #define GLAREPP_LAYER_PARAMS                                                  \
     { sizeof(struct glarepp_layer_params), "auto", 1e-3f, 0.0f, false, 1.0f,  \
-      GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f, 1e-3f,       \
-      false, NULL }
+      GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f, 1e-3f }
 
 // -- lights -------------------------------------------------------------------
 
@@ -566,6 +564,9 @@ struct glarepp_frame_params {
     double focus, aperture;      // m, f-number
     double sensor;               // mm, width
     double white;                // cd/m2 of scene value 1
+    float noise;                 // share of a dark pixel that transforms in float
+                                 // may err by, else they are in double, 0 to 1:
+                                 // half's rounding, 4.9e-4, hides as much
     bool last;                   // no frame of this size follows soon: nothing is
                                  // kept for it
     bool layer_ends;             // GLARE is not looked at after COMPOSE
@@ -577,7 +578,7 @@ struct glarepp_frame_params {
 #define GLAREPP_FRAME_PARAMS                                                  \
     { sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0}, false, \
       NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0},              \
-      GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, false, false, false, NULL }
+      GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, 4e-4f, false, false, false, NULL }
 
 struct glarepp_frame;
 
@@ -692,7 +693,6 @@ struct glarepp_layer_facts {
     double bound_pixel;      // of max_rel; 0: not asked for
     int fft_w, fft_h;        // transform; 0: none
     bool in_double;
-    int near[2];             // radii of the kernel's part that went direct; -1
     long long groups, clusters, polygons, cores; // of splat
     double polygon_pixels;
     const char *form;        // in which polygons were drawn; NULL

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli | TEST... | -TEST...]
 # Runs every test, of the command-line ones none, those named, or all but those
 # named; prints what failed and what was skipped for which reason, and ends with

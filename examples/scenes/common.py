@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the scenes share: shapes, materials, lamps, camera, air, render and file.
 
 A scene ends with render(), which reads "-- -o FILE [--scale PERCENT] [--samples N]".

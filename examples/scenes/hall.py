@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The nave of a church: sun through the clerestory, coloured glass in the east."""
 import os
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A car in the rain on a country road at nightfall, its headlights in the mist."""
 import os
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A table by a wall in the evening; the lamp hangs in the left border of the frame."""
 import os
 import random

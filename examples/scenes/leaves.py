@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The sun behind the leaves of a beech: the camera sinks until they hide it."""
 import os
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A wet street at night: lamps, shops, strings of bulbs and a neon sign."""
 import os
 import random

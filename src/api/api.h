@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The library's handles, and steps that every call takes.
  *
  *   context.c  contexts, messages, lists of names

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Ghosts of a real lens in a frame: of the lights that have flux, or of the
  * brightest sources; and a lens's prescription and its first-order optics. */
 #include "api/plan.h"

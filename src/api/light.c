@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Suns and lamps of a frame: their places, shares and flare. */
 #include "api/plan.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Parameters as a caller gives them: of whatever version, each in its range. */
 #include "api/api.h"
 
@@ -69,6 +70,7 @@ static const struct range ranges[] = {
     IN(glarepp_plan_params, "plan", fov, 0, 180),
     IN(glarepp_plan_params, "plan", rotate, -1e6, 1e6),
     IN(glarepp_frame_params, "frame", groups, 0, INT_MAX),
+    IN(glarepp_frame_params, "frame", noise, 0, 1),
     LISTED(glarepp_frame_params, "frame", group, groups),
     IN(glarepp_kernel_params, "kernel", words, 0, 8),
     LISTED(glarepp_kernel_params, "kernel", word, words),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "api/plan.h"
 
 #include "core/colour.h"
@@ -97,13 +98,9 @@ static gp_status take_layer(struct glarepp_plan *plan,
     plan->glare.splat.cluster = p.cluster;
     plan->glare.splat.cluster_fill = p.cluster_fill;
     plan->glare.splat.shrink = p.shrink;
-    plan->glare.fft_plan =
-        p.measure ? GP_FFT_PLAN_MEASURE : GP_FFT_PLAN_ESTIMATE;
-    plan->glare.wisdom = p.wisdom;
     plan->compose = (struct gp_compose_params) {.gain = p.gain, .mix = p.mix};
     plan->edges = p.edges;
-    const gp_status kept = keep(plan, &plan->glare.engine);
-    return kept ? kept : keep(plan, &plan->glare.wisdom);
+    return keep(plan, &plan->glare.engine);
 }
 
 static gp_status take_lights(struct glarepp_plan *plan,

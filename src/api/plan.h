@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The library's kernels, plans (parameters of the rooms, and what frames share)
  * and frames. */
 #ifndef GP_API_PLAN_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The scene of a frame: read once, posed for each, its lights and camera handed to
  * the lights' steps. */
 #include "api/plan.h"

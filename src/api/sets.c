@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* O'Rorke's table of a scene. */
 #include "api/api.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The steps of a frame that are not its lights', its lens's and its scene's; and
  * the order of all. */
 #include "api/plan.h"
@@ -421,6 +422,7 @@ static gp_status add_layer(struct glarepp_frame *f)
     p.taken = f->plan->compose.mix == GLAREPP_SCATTER ? &f->sources : NULL;
     p.edges = edges_of(f, &f->sources);
     p.last = f->p.last;
+    p.seen = f->p.noise;
     if (light->n > 0)
         return gp_glare_run(&f->log, &p, &f->work->engines, light,
                             gp_api_kernel(f), &f->image, facts);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glarepp bench: speed against error, technique by technique. */
 #ifndef GP_BENCH_BENCH_H
 #define GP_BENCH_BENCH_H

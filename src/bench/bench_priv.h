@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The parts of bench: its table, the paper's frames, the plot, the sun's. */
 #ifndef GP_BENCH_BENCH_PRIV_H
 #define GP_BENCH_BENCH_PRIV_H

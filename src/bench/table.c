@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The techniques, and the table of their cost and error: as text, CSV, JSON, and
  * as a picture of speed against error. */
 #include "bench/bench_priv.h"

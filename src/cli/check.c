@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Checks settings that depend on each other. The option table has the needs of
  * each option as bits (options.h); this file has their conditions and their
  * messages. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The main job, a run over frames, and the commands that are more than that.
  * Their errors are those of reading, of the library and of writing. */
 #ifndef GP_CLI_COMMANDS_H

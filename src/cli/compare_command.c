@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glarepp compare: reads two images, or two sequences part by part, has them
  * compared, and reports: idiff's lines and more, a JSON object, pictures. */
 #include "cli/commands.h"

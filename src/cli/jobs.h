@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Finds the frames of a run and the names of its files, before the first frame
  * is read, so that a wrong name costs no work. */
 #ifndef GP_CLI_JOBS_H

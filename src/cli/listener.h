@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The program as the library's user: parameters, planes and messages. */
 #ifndef GP_CLI_LISTENER_H
 #define GP_CLI_LISTENER_H

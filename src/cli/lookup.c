@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The commands; lists that the table of options names: its headings, the
  * styles, and values that the library and io list. */
 #include "cli/options.h"
@@ -292,13 +293,6 @@ const struct gp_option_choice gp_spaces[] = {
     {"world", false, "those of the frame's world"},
     {"camera", true, "x right, y up, z to the eye, whatever "
      "worldToCamera has"}, {0},
-};
-const struct gp_option_choice gp_plans[] = {
-    {"estimate", false, "the same plan, so the same bytes, in "
-     "every run"},
-    {"measure", true, "the fastest of a few measured plans, "
-     "kept in the cache folder; last bits may differ from run to run"},
-    {0},
 };
 
 // -- styles ------------------------------------------------------------------

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The machine around the process: the memory that it may use, and the
  * environment, which the library does not read. */
 #ifndef GP_CLI_MACHINE_H

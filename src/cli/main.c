@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/commands.h"
 #include "cli/machine.h"
 #include "cli/listener.h"
@@ -67,8 +68,8 @@ static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
     } else {
         gp_io_versions(io, sizeof io);
         printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
-               "needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
-               "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
+               "needed: OpenImageIO, OpenColorIO, OSMesa, EGL\n"
+               "Apache-2.0; no warranty\n", io, jansson_version_str());
     }
     return st ? st : gp_flush_text(log);
 }
@@ -91,29 +92,6 @@ static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
     }
     gp_jobs_free(&jobs);
     return st;
-}
-
-/* Returns the path of `name` in $XDG_CACHE_HOME/glarepp, or in ~/.cache/glarepp
- * where that variable is unset or not an absolute path (XDG Base Directory
- * Specification 0.8); from malloc. Makes the folders with mode 0700, if it can:
- * a run without a cache is only slower. */
-static char *cache_file(const char *name)
-{
-    const char *base = getenv("XDG_CACHE_HOME"), *below = "";
-    char *path;
-    if (!base || base[0] != '/') {
-        base = getenv("HOME");
-        below = "/.cache";
-    }
-    if (!base || base[0] != '/' ||
-        asprintf(&path, "%s%s/glarepp/%s", base, below, name) < 0)
-        return NULL;
-    for (char *s = path + 1; (s = strchr(s, '/')); s++) {
-        *s = '\0';
-        (void) mkdir(path, 0700);
-        *s = '/';
-    }
-    return path;
 }
 
 /* Opens the library with what the options and the environment say, and enters
@@ -162,7 +140,6 @@ int main(int argc, char *argv[])
 {
     struct gp_settings s;
     struct glarepp *gp = NULL;
-    char *wisdom = NULL;
     int status = 0;
     struct voice voice = {NULL, NULL};
     struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
@@ -182,8 +159,6 @@ int main(int argc, char *argv[])
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.run.level;
     voice.file = !st && s.input.files.n ? s.input.files.at[0] : NULL;
-    if (!st && s.light.layer.measure)
-        s.light.layer.wisdom = wisdom = cache_file("fft-wisdom");
     if (!st)
         st = open_library(&user, &gp);
     if (!st)
@@ -196,6 +171,5 @@ int main(int argc, char *argv[])
         glarepp_leave(gp);
     glarepp_close(&gp);
     gp_settings_free(&s);
-    free(wisdom);
     return status;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glarepp sets, and the command's side of glarepp bench: tables of times. */
 #include "cli/commands.h"
 #include "cli/listener.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glarepp kernel and glarepp lens. */
 #include "cli/commands.h"
 #include "cli/listener.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/options.h"
 
 
@@ -324,8 +325,6 @@ const struct gp_option gp_options[] = {
         .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_SETS,
         .arg = "API", .choices = gp_gls,
         .help = "Draw splat, sun maps and scenes in this GL context"),
-    CHOICE(light.layer.measure, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
-        .choices = gp_plans, .help = "Choose FFT plans this way"),
     OPT(run.threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
         .aside = true,
         .help = "Use N threads, 0 for all processors; no output depends on it"),

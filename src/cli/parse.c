@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/options.h"
 
 #include "core/memory.h"
@@ -256,6 +257,7 @@ static gp_status set_value(const struct use *u, void *field)
 /* Options that are gone, and what to use. */
 static const char *const gone[][2] = {
     {"completion", "make install puts completions in place"},
+    {"fft-plan", "leave it out: transforms need no plan"},
     {"from", "make the file again by -k with its glarepp:recipe, and by --size, "
      "--fov, --rotate and --frame"},
     {"group-method", "leave it out: splat groups pixels in one way"},

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Output of a run on stderr: a progress line, the messages about each frame in
  * frame order, and at the end the list of frames that failed. */
 #ifndef GP_CLI_PROGRESS_H

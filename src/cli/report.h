@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Writes the report: JSON, one object a line for each frame. */
 #ifndef GP_CLI_REPORT_H
 #define GP_CLI_REPORT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/stages.h"
 
 #include "cli/listener.h"
@@ -67,6 +68,27 @@ void gp_frame_state_end(struct gp_frame_state *fs)
 
 // -- reading -----------------------------------------------------------------
 
+/* True when -o gets linear light. */
+static bool untoned(const struct gp_settings *s)
+{
+    return strcmp(s->tone.map.curve, "none") == 0;
+}
+
+/* Tests whether scene-linear light goes out in float, which hides less noise than
+ * half. */
+static bool writes_floats(const struct gp_run *r, const struct gp_frame_state *fs)
+{
+    const enum gp_out_type type = r->s->output.write.type;
+    bool some = false;
+    for (int i = 0; i < r->jobs->targets; i++) {
+        const enum gp_target_kind kind = r->jobs->target[i].kind;
+        some |= kind == GP_TARGET_HDR || kind == GP_TARGET_LAYER ||
+                (kind == GP_TARGET_PICTURE && untoned(r->s));
+    }
+    return some && (type == GP_OUT_FLOAT ||
+                    (type == GP_OUT_AUTO && fs->file.colour_type == GP_FLOAT));
+}
+
 /* Begins the library's frame with the planes that were read. */
 static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
 {
@@ -85,6 +107,8 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     p.last = fs->job - r->jobs->job == r->jobs->n - 1;
     p.layer_ends = r->layer_ends;
     p.details = r->details;
+    if (writes_floats(r, fs))
+        p.noise = 2e-5f;
     p.user = (void *) (uintptr_t) fs->log;
     st = (gp_status) glarepp_frame(r->plan, &p, &fs->frame);
     gp_free(group);
@@ -356,12 +380,6 @@ static gp_status run_tonemap(struct gp_run *r, struct gp_frame_state *fs)
 }
 
 // -- writing -----------------------------------------------------------------
-
-/* True when -o gets linear light. */
-static bool untoned(const struct gp_settings *s)
-{
-    return strcmp(s->tone.map.curve, "none") == 0;
-}
 
 unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
 {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The stages of a frame, their shared data, and the state of a frame between
  * them. */
 #ifndef GP_CLI_STAGES_H

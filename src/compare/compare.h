@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The difference of two images in memory: the figures of OpenImageIO's idiff
  * 2.4, those of the engines (the program's own errors), FLIP, and what an eye
  * sees. All are the same for any number of threads. Images, limits and figures

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* FLIP. LDR: tile after tile, each picture is filtered in a tile with its
  * surroundings, its colours and features are kept, and compared with those of
  * the other. HDR: the largest LDR-FLIP of many exposures. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Visible pixels: Yee, A Perceptual Metric for Production Testing, journal of
  * graphics tools 9(4), 2004, as idiff -p counts them. A difference of luminance
  * is seen over a threshold, which light around and details that mask it raise;

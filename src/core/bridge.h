@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Parts of this program in files of their own, because loading their C++
  * libraries would slow every start: glarepp-ocio.so, opened on first use, and
  * the helper program glarepp-oiio. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Integers in a file's bytes, in either byte order and at any alignment, and
  * floats and doubles as bits. */
 #ifndef GP_CORE_BYTES_H

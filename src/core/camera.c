@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Makes cameras from matrices; projects points and discs. */
 #include "core/camera.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Vectors and matrices of space, in double, and cameras, which project points
  * and directions of the world into the frame. */
 #ifndef GP_CORE_CAMERA_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Wall and CPU clocks for reports; no result depends on them. */
 #ifndef GP_CORE_CLOCK_H
 #define GP_CORE_CLOCK_H

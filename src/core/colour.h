@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Luminance from a frame's own primaries, the sRGB transfer curve, and colours
  * of wavelengths. */
 #ifndef GP_CORE_COLOUR_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Depth samples for io, which fills empty pixels, and for sun, which compares
  * surfaces with lights. */
 #include "core/depth.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Depth samples: which are surfaces, and which mean that there is none.
  *
  * Empty, by type:

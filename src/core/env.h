@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The environment of a call: what a context of the library sets, and every
  * function below it finds through its thread. Threads of a parallel loop have
  * that of the loop's caller. */

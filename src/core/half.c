@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Branch-free integer arithmetic, which the compiler turns into vectors; where
  * the CPU has its own to half (F16C), that takes eights first. Same bits. */
 #include "core/half.h"

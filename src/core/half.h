@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* IEEE 754 binary16 rows to float and back. */
 #ifndef GP_CORE_HALF_H
 #define GP_CORE_HALF_H

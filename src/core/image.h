@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A picture in memory, and its planes: what the library's rooms work on. */
 #ifndef GP_CORE_IMAGE_H
 #define GP_CORE_IMAGE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* JSON: reads files strictly, with messages that name the place; makes JSON of
  * strings of any bytes. */
 #include "core/json.h"

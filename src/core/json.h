@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* JSON by jansson. Reads files strictly: every key is known, every number has a
  * range, and messages name the file, the place ("element 3") and the key. Makes
  * JSON of strings that need not be UTF-8. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Sums of a frame's planes, and its luminance as a whole: its average,
  * percentiles, and largest.
  * All are the same for any number of threads. */

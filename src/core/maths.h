@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Elementary functions that give the same bits everywhere.
  *
  * A C library's differ between its versions, and between processors of one family:

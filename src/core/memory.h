@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Allocation with checked sizes. Every function that allocates fails with
  * GP_ERR_BUG where memory is full; contracts in private headers do not repeat
  * it. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Minimum, maximum, clamp. Inline, without branches where the compiler can. */
 #ifndef GP_CORE_MINMAX_H
 #define GP_CORE_MINMAX_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Parallel loops whose result does not depend on the number of threads.
  *
  * Any number of threads may run loops at once; those of one environment

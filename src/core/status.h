@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Status codes and the error line.
  *
  * One list makes the enum, the exit statuses and the texts of the man page.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Contexts of OSMesa, Mesa's off-screen library, a rasterizer on the CPU that
  * needs no display, no device and no driver; and of EGL without a window, on a
  * GPU through the device platform, or on Mesa's surfaceless platform. */

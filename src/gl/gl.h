@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* gl: headless OpenGL 4.5 core: contexts, textures, programs, draws.
  *
  * Float planes in, float planes out; nothing here knows what is drawn.

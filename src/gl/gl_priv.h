@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Parts of a context, and shader files. */
 #ifndef GP_GL_GL_PRIV_H
 #define GP_GL_GL_PRIV_H

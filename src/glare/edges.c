@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Light from beyond the border. */
 #include "glare/edges.h"
 

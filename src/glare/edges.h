@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Edges: the light that comes from beyond the border of the picture.
  *
  * A kernel takes light out of every bright pixel. Near the border part of it

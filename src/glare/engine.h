@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Engines: ways to compute the glare layer.
  *
  *   layer(p) = sum over sources q of source(q) * kernel(p - q)
@@ -19,8 +20,6 @@
 #include "glarepp.h"
 
 #include <stdbool.h>
-
-enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
 
 /* Forms in which a polygon is drawn. AUTO: TILE on a software context, else
  * QUAD.
@@ -51,16 +50,16 @@ struct gp_glare_params {
     float tolerance_pixel;     // of max_rel, for auto, > 0; 0: none
     const struct gp_sources *taken; // as gp_glare_measure(), for its bound
     enum gp_gl_api gl;
-    enum gp_fft_plan fft_plan;
-    const char *wisdom;        // file for measured plans; NULL keeps none
     struct gp_splat_params splat;
     struct gp_surround edges;     // what is beyond the border
+    float seen;                // share of a dark pixel that noise of transforms
+                               // in float may be: else they are in double
     bool in_double;            // transforms in double, whatever the frame needs
     bool last;                 // no frame follows: no kernel's spectrum is kept
 };
 #define GP_GLARE_DEFAULTS                                                     \
     { .engine = "auto", .gain = 1.0f, .tolerance = 1e-3f,                     \
-      .splat = GP_SPLAT_DEFAULTS }
+      .seen = 4e-4f, .splat = GP_SPLAT_DEFAULTS }
 
 /* Light that no engine draws: the far field's, and from beyond the border. */
 struct gp_layer_rest {
@@ -107,9 +106,9 @@ struct gp_engine {
                        struct gp_pixel_error *out);
 
     /* Writes every sample of req->layer, and req->stats; a bound over 0 that
-     * is there already may stay, as bound() gave it. *state is NULL at first,
+     * is there already stays, and what run() alone finds is added. *state is NULL at first,
      * kept by the caller from frame to frame, and freed by close(), which is
-     * NULL where nothing is kept: spectra, plans, GL objects. It never changes a
+     * NULL where nothing is kept: spectra, GL objects. It never changes a
      * result. */
     gp_status (*run)(const struct gp_glare_request *req, void **state);
     void (*close)(void **state);

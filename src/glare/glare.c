@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -271,8 +272,8 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     if (req->rest && !rest.added)
         gp_parallel_do(3 * h, add_rest, &parts);
     // an engine's bound is that of its own sum
-    req->stats->bound =
-        engine->bound > 0.0 ? engine->bound : req->stats->bound + req->floor;
+    if (!(engine->bound > 0.0))
+        req->stats->bound += req->floor;
     if (d->times) {
         GP_TRY(double_layer(log, d->path, d->f, d->times, &req->stats->bound));
         if (d->beyond)

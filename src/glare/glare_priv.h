@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the .c files of this folder and by their tests. */
 #ifndef GP_GLARE_GLARE_PRIV_H
 #define GP_GLARE_GLARE_PRIV_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Makes kernels: checks, converts, rotates about the centre's pixel, resamples
  * by areas, normalises, and cuts off zero borders. */
 #include "glare/kernel.h"

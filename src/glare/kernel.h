@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The glare kernel: the point-spread function of one bright pixel. */
 #ifndef GP_GLARE_KERNEL_H
 #define GP_GLARE_KERNEL_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "glare/kernel_check.h"
 
 #include "core/cpu.h"

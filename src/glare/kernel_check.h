@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Figures and faults of a kernel: glarepp kernel --check prints them, and a run
  * warns of faults that its frames show. */
 #ifndef GP_GLARE_KERNEL_CHECK_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "glare/kernel_kept.h"
 
 #include "core/memory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The kernel of a request, made for the fields of frames; the last one is kept,
  * and others live as long as the frames in flight that hold them. */
 #ifndef GP_GLARE_KERNEL_KEPT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rows of a kernel's samples. Each sum adds in one order, so that all who ask
  * for it get the same bits. */
 #ifndef GP_GLARE_KERNEL_ROWS_H

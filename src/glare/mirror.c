@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The mirror image of a picture around it: --edges mirror. */
 #include "core/memory.h"
 #include "core/minmax.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Chooses an engine. */
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"

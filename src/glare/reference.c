@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -58,25 +59,43 @@ void gp_glare_reference_direct(const struct gp_sources *src,
 
 /* -- dense frames: complex two-dimensional transforms, in double ----------- */
 
-/* Transforms nx x ny complex numbers, rows, then columns, in place; z is
- * scratch for two lines. */
-static void transform(const struct gp_fftwd *lib, size_t nx, size_t ny,
-                      const fftw_plan plan[2], double *a, double *z)
+/* Transforms `lines` lines of complex numbers in place, the first numbers `apart`
+ * one from the next, those of a line `step`; z is scratch for two arrays of
+ * points. `back`: back. */
+static void transform_lines(const struct gp_transform *t, bool back,
+    size_t lines, size_t apart, size_t step, double *a, double *z)
 {
-    for (size_t y = 0; y < ny; y++) {
-        double *const line = a + 2 * y * nx;
-        memcpy(z, line, 2 * sizeof(double) * nx);
-        lib->execute_dft(plan[0], (void *) z, (void *) (z + 2 * nx));
-        memcpy(line, z + 2 * nx, 2 * sizeof(double) * nx);
+    enum { LINES = GP_DOUBLE_LINES };
+    double *const other = z + gp_transform_room(t->n) / sizeof *z;
+    const size_t n = (size_t) t->n, re = back ? LINES : 0, im = LINES - re;
+    for (size_t first = 0; first < lines; first += LINES) {
+        const size_t count = lines - first < LINES ? lines - first : LINES;
+        memset(z, 0, n * GP_POINT_BYTES);
+        for (size_t k = 0; k < n; k++) {
+            for (size_t i = 0; i < count; i++) {
+                const double *const at = a + 2 * ((first + i) * apart + k * step);
+                z[2 * LINES * k + re + i] = at[0];
+                z[2 * LINES * k + im + i] = at[1];
+            }
+        }
+        const double *const out = gp_double_transform(t, z, other);
+        for (size_t k = 0; k < n; k++) {
+            for (size_t i = 0; i < count; i++) {
+                double *const at = a + 2 * ((first + i) * apart + k * step);
+                at[0] = out[2 * LINES * k + re + i];
+                at[1] = out[2 * LINES * k + im + i];
+            }
+        }
     }
-    for (size_t x = 0; x < nx; x++) {
-        double *const line = a + 2 * x;
-        for (size_t y = 0; y < ny; y++)
-            memcpy(z + 2 * y, line + 2 * y * nx, 2 * sizeof(double));
-        lib->execute_dft(plan[1], (void *) z, (void *) (z + 2 * ny));
-        for (size_t y = 0; y < ny; y++)
-            memcpy(line + 2 * y * nx, z + 2 * (ny + y), 2 * sizeof(double));
-    }
+}
+
+/* Transforms nx x ny complex numbers, rows, then columns. */
+static void transform(const struct gp_transform pair[2], bool back, double *a,
+                      double *z)
+{
+    const size_t nx = (size_t) pair[0].n, ny = (size_t) pair[1].n;
+    transform_lines(&pair[0], back, ny, nx, 1, a, z);
+    transform_lines(&pair[1], back, nx, 1, nx, a, z);
 }
 
 /* The sum with a kernel that has no far field. */
@@ -88,26 +107,16 @@ static gp_status sum_plain(const struct gp_log *log,
         gp_glare_reference_direct(src, k, layer);
         return GP_OK;
     }
-    const struct gp_fftwd *lib;
     const size_t nx = (size_t) gp_fft_length(src->w + k->w - 1);
     const size_t ny = (size_t) gp_fft_length(src->h + k->h - 1), n = nx * ny;
     const double scale = 1.0 / (double) n;
     double *a = NULL, *b = NULL, *z = NULL; // complex
-    fftw_plan plan[4] = {0}; // rows and columns, there and back
-    GP_TRY(gp_fftwd_open(log, &lib));
+    struct gp_transform pair[2] = {{0}, {0}};
+    GP_TRY(gp_fft_pair_make(log, (int) nx, (int) ny, true, pair));
     GP_TRY(gp_alloc(log, "reference", n, 16, &a));
     GP_TRY(gp_alloc(log, "reference", n, 16, &b));
-    GP_TRY(gp_alloc_zero(log, "reference", nx > ny ? nx : ny, 32, &z));
-    for (int i = 0; i < 4; i++) {
-        const int length = (int) (i % 2 ? ny : nx);
-        plan[i] = gp_fftwd_plan(lib, length, z, z + 2 * length,
-                                i < 2 ? FFTW_FORWARD : FFTW_BACKWARD,
-                                FFTW_UNALIGNED);
-        if (!plan[i])
-            GP_TRY(gp_fail_bare(log, GP_ERR_BUG,
-                                "reference: FFTW has no plan for length %d; "
-                                "verify a smaller frame", length));
-    }
+    GP_TRY(gp_alloc(log, "reference", 2,
+                    gp_transform_room(gp_max((int) nx, (int) ny)), &z));
     for (int c = 0; c < 3; c++) {
         memset(a, 0, 2 * sizeof(double) * n);
         memset(b, 0, 2 * sizeof(double) * n);
@@ -122,14 +131,14 @@ static gp_status sum_plain(const struct gp_log *log,
                     (double) k->k.c[c][(size_t) y * (size_t) k->w +
                                        (size_t) x];
         }
-        transform(lib, nx, ny, plan, a, z);
-        transform(lib, nx, ny, plan, b, z);
+        transform(pair, false, a, z);
+        transform(pair, false, b, z);
         for (size_t i = 0; i < n; i++) {
             const double re = a[2 * i], im = a[2 * i + 1];
             a[2 * i] = scale * (re * b[2 * i] - im * b[2 * i + 1]);
             a[2 * i + 1] = scale * (re * b[2 * i + 1] + im * b[2 * i]);
         }
-        transform(lib, nx, ny, plan + 2, a, z);
+        transform(pair, true, a, z);
         // the full convolution's sample (x + cx, y + cy) is the layer's (x, y)
         double *out = layer + (size_t) c * (size_t) src->w * (size_t) src->h;
         for (int gy = k->cy; gy < src->h + k->cy; gy++) {
@@ -141,8 +150,7 @@ static gp_status sum_plain(const struct gp_log *log,
         }
     }
 out:
-    for (int i = 0; i < 4; i++)
-        gp_fftwd_end(lib, plan[i]);
+    gp_fft_pair_free(pair);
     gp_free(a);
     gp_free(b);
     gp_free(z);

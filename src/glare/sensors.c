@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/cpu.h"
 #include "core/luminance.h"
 #include "core/maths.h"
@@ -42,7 +43,7 @@ struct block_sum {
     double light[3];
     double flux[3][WIDE], energy[3][WIDE]; // of every WIDE-th source of a piece
     float brightest;
-    uint32_t count[GP_SOURCE_BINS];
+    bool faint;        // a source is under GP_FAINT
 };
 
 struct sense {
@@ -300,7 +301,7 @@ static void list_block(void *ctx, int block, int thread)
                 find_bright(s, rgb, x0, gp_min(s->w - x0, PIECE), &c);
             sum_row(&c, n, sum);
             for (int i = 0; i < n; i++)
-                sum->count[gp_source_bin(c.largest[i])]++;
+                sum->faint |= c.largest[i] < GP_FAINT;
             memcpy(o->x + at, c.x, (size_t) n * sizeof *o->x);
             for (int k = 0; k < 3; k++)
                 memcpy(o->rgb[k] + at, c.rgb[k], (size_t) n * sizeof *c.rgb[k]);
@@ -411,7 +412,8 @@ gp_status gp_sense(const struct gp_log *log, const struct glarepp_sense_params *
                          &s.dark));
     GP_TRY(gp_alloc(log, "sensors", (size_t) s.h, sizeof *s.bright, &s.bright));
     GP_TRY(clean_frame(log, &s, blocks, f, &found));
-    size_t n = 0, faint = 0;
+    size_t n = 0;
+    bool faint = false;
     for (int y = 0; y < s.h; y++)
         n += s.bright[y];
     GP_TRY(gp_sources_make(log, &like, n, &o));
@@ -429,15 +431,12 @@ gp_status gp_sense(const struct gp_log *log, const struct glarepp_sense_params *
             o.flux_clamped[k] += b->taken[k];
         }
         o.brightest = gp_maxf(b->brightest, o.brightest);
-        for (int k = 0; k < GP_SOURCE_BINS; k++)
-            o.count[k] += b->count[k];
+        faint |= b->faint;
     }
     o.threshold = found.threshold;
     find_darkest(&s, threads, &o);
     warn_of_clamping(log, f->path, &s, blocks, &o);
     gp_sources_finish(&o);
-    for (int b = 0; b < gp_source_bin(GP_FAINT); b++)
-        faint += o.count[b];
     if (!faint) {
         *out = o;
         o = (struct gp_sources) {0};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Sensors: which pixels are light, and how much. The bright pass and the
  * cleaning of bad pixels are defined here, once, for every engine. */
 #ifndef GP_GLARE_SENSORS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "glare/sources.h"
 
 #include "core/memory.h"
@@ -30,7 +31,6 @@ gp_status gp_sources_make(const struct gp_log *log,
     memset(s.rgb, 0, sizeof s.rgb);
     memset(s.flux, 0, sizeof s.flux);
     memset(s.energy, 0, sizeof s.energy);
-    memset(s.count, 0, sizeof s.count);
     s.n = 0;
     s.box = (struct gp_rect) {0};
     s.brightest = 0.0f;
@@ -63,7 +63,6 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3])
         s->energy[k] += (double) v[k] * (double) v[k];
     }
     s->brightest = gp_maxf(s->brightest, most);
-    s->count[gp_source_bin(most)]++;
     s->row[y + 1] = (uint32_t) ++s->n;
 }
 
@@ -190,41 +189,6 @@ gp_status gp_sources_join(const struct gp_log *log,
     gp_sources_finish(&all);
     *out = all;
     return GP_OK;
-}
-
-// -- one list to two, and to planes -------------------------------------------
-
-static float largest_of(const struct gp_sources *s, size_t i)
-{
-    const float rgb[3] = {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]};
-    return largest_channel(rgb);
-}
-
-gp_status gp_sources_split(const struct gp_log *log,
-                           const struct gp_sources *src, float hot,
-                           struct gp_sources *hottest, struct gp_sources *rest)
-{
-    gp_status st;
-    struct gp_sources split[2] = {{0}};
-    size_t n = 0; // of the hot ones
-    for (size_t i = 0; i < src->n; i++)
-        n += largest_of(src, i) >= hot;
-    GP_TRY(gp_sources_make(log, src, src->n - n, &split[0]));
-    GP_TRY(gp_sources_make(log, src, n, &split[1]));
-    for (int y = 0; y < src->h; y++) {
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
-            gp_sources_copy(src, i, src->x[i], y,
-                            &split[largest_of(src, i) >= hot]);
-    }
-    gp_sources_finish(&split[0]);
-    gp_sources_finish(&split[1]);
-    *rest = split[0];
-    *hottest = split[1];
-    memset(split, 0, sizeof split);
-out:
-    gp_sources_free(&split[0]);
-    gp_sources_free(&split[1]);
-    return st;
 }
 
 gp_status gp_sources_planes(const struct gp_log *log,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Sources: the light that glare spreads, as a sparse list of pixels. Sensors
  * make one from a frame; lights whose flux was given join it. */
 #ifndef GP_GLARE_SOURCES_H
@@ -9,7 +10,7 @@
 
 #include <stdint.h>
 
-/* Sources are counted by their largest channel, two bins an octave. */
+/* Bins of light, two an octave. */
 enum { GP_SOURCE_BINS = 512 };
 
 /* The bin of a value > 0, and where a bin starts; bin b ends where b + 1
@@ -46,7 +47,6 @@ struct gp_sources {
     double faint[3];      // sum of each channel of what counts as 0
     double energy[3];     // sum of squares of each channel
     float brightest;      // largest channel value
-    uint32_t count[GP_SOURCE_BINS];
     long long nonfinite;  // pixels with NaN or Inf in rgb
     long long clamped;    // pixels with a finite value over max_value
     double flux_clamped[3]; // light that max_value removed, by channel
@@ -76,7 +76,7 @@ static inline double gp_sources_dark(const struct gp_sources *s)
 }
 
 /* Appends a source that comes after all others in row order, and adds it to
- * flux, energy, brightest and count. Channels that count as 0 are added to
+ * flux, energy and brightest. Channels that count as 0 are added to
  * `faint`; a source without light is left out. There must be room. */
 void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 
@@ -101,12 +101,6 @@ GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_sources_join(const struct gp_log *log,
     const struct gp_sources *src, struct gp_source *more, size_t n,
     struct gp_sources *out);
-
-/* Splits the sources into those with a channel of at least `hot` and the rest,
- * two lists as gp_sources_make() of src. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_sources_split(const struct gp_log *log,
-    const struct gp_sources *src, float hot, struct gp_sources *hottest,
-    struct gp_sources *rest);
 
 /* The sources as full planes (w * h, 0 where dark), for engines that need
  * an image and for --debug sensors. `p` is made. */

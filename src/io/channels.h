@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Channels by their names: which are the colour, its alpha, the depth, ids. */
 #ifndef GP_IO_CHANNELS_H
 #define GP_IO_CHANNELS_H

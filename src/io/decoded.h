@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A picture as its file stores it, of any format but EXR, and the frame made
  * from it. */
 #ifndef GP_IO_DECODED_H

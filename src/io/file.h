@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Writes one output file: whole under its final name, or not at all.
  *
  * A regular target is written as FOLDER/.NAME.PID.tmp and renamed by

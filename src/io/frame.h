@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A frame of a file: its picture, and all else that the file holds and that
  * outputs carry on. */
 #ifndef GP_IO_FRAME_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Grows frames to the window of their outputs.
  *
  * A renderer or compositor may store only the pixels that hold something: a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the files of io: readers, writers, pictures of frames. */
 #ifndef GP_IO_IO_PRIV_H
 #define GP_IO_IO_PRIV_H

@@ -1,4 +1,4 @@
-
+// SPDX-License-Identifier: Apache-2.0
 #include "core/bytes.h"
 #include "core/colour.h"
 #include "core/cpu.h"

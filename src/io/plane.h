@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Planes beside the colour: depth and coverage, from any part or file. */
 #ifndef GP_IO_PLANE_H
 #define GP_IO_PLANE_H

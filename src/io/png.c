@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* libpng does all of the reading. When writing, it makes the container; rows
  * are filtered here, in parallel, and packed at once by libdeflate, which is
  * twice as fast as zlib. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Formats of plain samples: raw frames, and the portable float map.
  *
  * PFM, by P. Debevec: "PF" for three floats a pixel or "Pf" for one, width,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io: files in and out. The only room that knows file formats.
  *
  * In: a path (or "-", stdin) becomes a gp_frame. Out: planes of a frame become

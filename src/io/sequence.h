@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Frame sequences: file names with a frame number or a view in them, and lists
  * of frames and views.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The bytes of an input: a file, or all of stdin or a pipe in memory. */
 #ifndef GP_IO_STREAM_H
 #define GP_IO_STREAM_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Pictures out. */
 #ifndef GP_IO_WRITE_H
 #define GP_IO_WRITE_H

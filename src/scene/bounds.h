@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Boxes of the world, and points of the scene. */
 #ifndef GP_SCENE_BOUNDS_H
 #define GP_SCENE_BOUNDS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Discs before the eye, the objects that their cones meet, and the share of a
  * disc that these leave clear, by rays. */
 #include "scene/eye.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Lights as discs before the eye: the objects between, and the share of a disc
  * that they leave clear. For lights that the frame does not show (Maughan, Game
  * Programming Gems 3, 5.5: his culling frustum, and his alternative of rays.

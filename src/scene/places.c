@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "scene/relight_priv.h"
 #include "core/maths.h"
 

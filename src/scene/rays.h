@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rays through the triangles of objects, in double.
  *
  * A triangle stops a ray from either side, whatever its material says of its

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The frame lit by lights of the scene: per-pixel lighting from depth, normal
  * and albedo (O'Rorke 15.2), one pass a light inside its scissor and range of
  * depths, shadows by rays through the objects of S. */

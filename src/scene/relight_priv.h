@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Parts of relight.c: samples of a frame, albedo of a scene's materials as a
  * frame shows it, and places in a pixel at which a renderer may have looked. */
 #ifndef GP_SCENE_RELIGHT_PRIV_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The lights of a scene that are named: passes from its visibility sets. */
 #include "scene/relight_priv.h"
 

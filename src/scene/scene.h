@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* scene: what a frame alone cannot give (O'Rorke, GPU Gems 15): lights that are
  * off screen or hidden, and the objects before them, from a glTF 2.0 file.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Closed forms of flare elements, measured in pixels: tables of their profiles,
  * rays, areas, and rows of them and of images.
  *

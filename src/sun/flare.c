@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Flare elements: their images; placed, changed and measured for the lights of a
  * frame, and added to a layer. */
 #include "sun/flare_priv.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Lens flare: elements on the line from a light through the image's centre.
  * Lights are those listed, or every bright pixel (sun/ghosts.h).
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the files of flares: elements at one size, and quads of them. */
 #ifndef GP_SUN_FLARE_PRIV_H
 #define GP_SUN_FLARE_PRIV_H

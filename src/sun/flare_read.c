@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Reads flare elements from JSON. */
 #include "sun/flare.h"
 

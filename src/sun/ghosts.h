@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Ghosts of the picture: flare elements of every bright pixel, as engine runs.
  *
  * An element at position a (flare.h) over all sources is the convolution of

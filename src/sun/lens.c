@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A lens: its prescription from JSON, its first-order optics and that of its
  * ghosts. Source: Lee and Eisemann, Practical Real-Time
  * Lens-Flare Rendering, 2013, with matrices of (height, slope) along the unfolded

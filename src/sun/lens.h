@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Real lenses: their prescription, first-order optics, and the ghosts that two
  * reflections inside make of a light.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Cells of a ghost's mesh: which are in the frame, with how many parts of the
  * spectrum, and their light in the steps of an accumulator. */
 #include "sun/lens_priv.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Polygons by exact coverage: edges add the change of coverage along a row,
  * and running sums along rows make pixels of it. */
 #include "sun/lens_priv.h"

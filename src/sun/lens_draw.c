@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Chooses ghosts, traces their meshes light by light, and draws them; and draws a
  * lens in section. */
 #include "sun/lens.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the files of lenses: rays, meshes, cells, bands of the spectrum. */
 #ifndef GP_SUN_LENS_PRIV_H
 #define GP_SUN_LENS_PRIV_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rays through the spheres of a lens, and meshes of them. Source: Hullin,
  * Eisemann, Seidel and Lee, Physically-Based Real-Time Lens Flare Rendering,
  * 2011: a sparse grid of rays for each ghost, whose cells carry the light. */

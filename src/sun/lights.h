@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Suns, lamps and cameras: from JSON, and their places in a frame. */
 #ifndef GP_SUN_LIGHTS_H
 #define GP_SUN_LIGHTS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Depth and coverage: finds the samples that are surfaces, the kinds of samples
  * that a plane holds, and the visible share of a light by the area of each pixel
  * under it, with its bounds. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Surfaces before a light, from a frame's depth and coverage.
  *
  * A pixel shows a light's share s in [0, 1]:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Reads the suns' files, places the lights in a frame, measures their visibility,
  * and adds their light: sources for the engines, sprites of the kernel for lights
  * that reach beyond the frame, and lens flare. */

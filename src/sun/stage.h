@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The sun's stage: places the suns and lamps of a run in each frame, measures
  * their visibility, and adds their light.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The operators, each a few lines of arithmetic without branches, so
  * that compilers vectorise them. All clamp their input first, where NaN becomes
  * the lower end. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The tone stage: exposure and primaries, then the operator, a block of pixels
  * at a time so that both work in the cache. */
 #include "tone/tone.h"

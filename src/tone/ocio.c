@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tone/ocio.h"
 
 #include "core/bridge.h"

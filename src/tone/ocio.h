@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* OpenColorIO: a config's view instead of a tone curve, and conversion of the
  * frame to another scene-linear space. */
 #ifndef GP_TONE_OCIO_H

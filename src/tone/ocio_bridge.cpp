@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenColorIO for C: the functions of tone/ocio_bridge.h.
 #include "tone/ocio_bridge.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The OpenColorIO bridge: what crosses from C to C++ and back.
  *
  * The bridge is a shared object of its own (glarepp-ocio.so), opened at first

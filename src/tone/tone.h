@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* tone: from scene-linear light to what a display shows.
  *
  * In: f->lit, in the frame's own primaries. Out: f->shown, display-linear

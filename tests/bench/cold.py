@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Times whole processes of two builds in turn: one frame from cold, and a
 sequence of 48.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """CPU time of the glare stage in a run's only or first frame against later ones.
 
 Usage: first.py GLAREPP FRAMES [ROUNDS]

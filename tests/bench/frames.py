@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Frames to measure on: few lights (w1), a facade of windows (w2), a bright sky
 (w3), at three sizes, and a 512x512 kernel of halo and streaks. The same frames
 in every run.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: lens_lights.sh [GLAREPP]
 # The lens stage of 100 lights in the Heliar on the night frame at 1920x1080, for
 # three ranges of flux: ghosts drawn, least milliseconds of three runs of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the programs that time: medians, and a log. */
 #ifndef GP_BENCH_MEDIAN_H
 #define GP_BENCH_MEDIAN_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Two commands in turn, A B A B ..., and the ratio of their times.
  *
  *   pair RUNS A... -- B...

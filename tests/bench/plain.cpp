@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The peer of the whole process: what OpenEXR's C++ library and plain 2-D FFTW
 // take for the same files, and nothing else.
 //

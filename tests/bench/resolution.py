@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The layer of a frame against those of its averages over 2x2 and 4x4 pixels,
 and the least error that any kernel of such pixels could have.
 

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Usage: run.sh BUILD FRAMES
 # Measures the figures of README and manual on this machine. FRAMES is a folder that
 # holds w1..w3 (few lights, windows, a sky) at 1024x768, 1920x1080, 3840x2160
@@ -22,9 +23,6 @@ if [ -n "${PEER-}" ]; then
     /usr/bin/python3 "$here/cold.py" "$PEER" "$glarepp" "$build/bench/plain" \
         "$frames" "$runs"
 fi
-
-echo "# plans of lengths, measured once"
-"$build/bench/plans" 1 2>&1 >/dev/null
 
 echo "# glare stage, the first frame of a run against later ones"
 /usr/bin/python3 "$here/first.py" "$glarepp" "$frames"

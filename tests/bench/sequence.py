@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """What a sequence costs: in one run, in a run for each frame, and beside what
 OpenEXR's C++ library takes to decode and encode the same frames.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The largest step of a lamp's radial profile, from pixel to pixel, by kernel.
 
 usage: steps.py GLAREPP [KERNEL ...]    (all presets, aperture and temporal)

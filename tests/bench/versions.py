@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Times two builds of glarepp side by side.
 
 Usage: versions.py OLD NEW FRAMES [RUNS]

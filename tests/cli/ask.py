@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Answers a test's questions about files in one process, which imports its
 libraries once.
 

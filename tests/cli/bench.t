@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # glarepp bench: a table of speed against error, the same rows as CSV, JSON and
 # plot.
 . "$(dirname "$0")/lib.sh"

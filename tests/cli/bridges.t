@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The program without its helper for OpenImageIO and its bridge to OpenColorIO,
 # with files that are none, and with others: what needs them fails with one
 # line, all else works.

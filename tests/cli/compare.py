@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Compares pictures as OpenImageIO reads them; needs numpy and OpenImageIO.
 
 stdin, one comparison a line:   A B LIMIT DESCRIPTION...

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # glarepp compare: command line, status and figures beside idiff's, files, sequences.
 . "$(dirname "$0")/lib.sh"
 need_python

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The same bytes on any processor: layers, --hdr and PNG pictures of this one, and of
 # those that qemu-user emulates. GLAREPP_CPU names these; by default one without AVX
 # and one with AVX2 and fused multiply-add. (aarch64: see make arm64-bytes)

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Every frame of the data folder goes through; every damaged one ends well:
 # status 0, 3 or 4, one line, in little memory and time, and never a crash.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The same bytes of every output: threads by frames in flight, contexts, runs,
 # places and environments, for every engine and for sun masks. (One frame of
 # every kind of output by threads: threads.t.)

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Errors of the engines on real frames, kernel 512x512, against the exact sum
 # in double: rel_l2 within 1e-6 for direct and fft and 2e-6 for splat, and
 # never over the bound that the engine states.

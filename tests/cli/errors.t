@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Bad input and bad places: one line, the documented status, no file left, and
 # earlier files stay whole.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Makes small EXR files with nothing but Python: no library that is tested.
 
 usage: exr.py FILE [key=value...]

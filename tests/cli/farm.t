@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The examples for farms: an array job on a Slurm cluster of this one machine,
 # started here for the test, and the Open Job Description template.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Calls that fail, one after another, in small runs of every kind: the status
 # is a documented one, an error is one line, each output is whole or is not
 # there, no memory leaks and no temporary file is left. tests/faults/drive.py

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs a command with many numbers of frames in flight and of threads, and
 compares all that comes out of it with one frame on one thread.
 

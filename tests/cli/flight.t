@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Frames in flight: files, report, messages and streams are the same for any
 # number of them and of threads, whatever fails on the way.
 # shellcheck disable=SC2016

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Formats in and out, and what --hdr carries along.
 . "$(dirname "$0")/lib.sh"
 need_python

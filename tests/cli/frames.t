@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Frames that are bad, missing, there already, or of another size.
 . "$(dirname "$0")/lib.sh"
 need_python

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Every fuzz target runs its corpus, and fuzzes for a while where clang made
 # it. GLAREPP_FUZZ_TIME: seconds for each, default 1, two at a time.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Light groups: --light-group takes the light from layers whose sum is the
 # frame, each held against the threshold by itself, and --hdr keeps the sum.
 # shellcheck disable=SC2016

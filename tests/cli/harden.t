@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The program and its bridges are built to be hard to abuse: what the linker
 # and the compiler were asked for is read back from the files that they made.
 . "$(dirname "$0")/lib.sh"

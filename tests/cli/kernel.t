@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Kernels: models by the frame's angle, several at once, images of any size, and
 # the command that writes, lists and checks them.
 . "$(dirname "$0")/lib.sh"

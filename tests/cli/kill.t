@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Runs that are killed at random moments: no file under a final name is ever
 # incomplete. The moments are drawn from a seed that is printed.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Layers, parts and views: --layer-in and --part, and all that --hdr carries.
 # shellcheck disable=SC1007,SC2016
 . "$(dirname "$0")/lib.sh"

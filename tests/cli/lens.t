@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Real lenses: glarepp lens lists, checks and draws them; files that are wrong.
 . "$(dirname "$0")/lib.sh"
 

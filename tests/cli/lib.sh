@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Shared by the command-line tests; each does  . "$(dirname "$0")/lib.sh"
 #
 # Afterwards the working folder is a fresh one that goes away at exit, and

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The installed library, as its users have it: its header and pkg-config alone, in C11
 # and C++17, shared and as an archive; what it reads; where it finds its bridge.
 . "$(dirname "$0")/lib.sh"

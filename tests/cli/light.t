@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Light, and the way it goes: no step at the threshold, no light made or
 # lost, no finite value changed, and a line where there is no light.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Commands of README and manual run as they are printed, each in a folder that holds
 # only examples: blocks marked sh, and lines and words in quotes that name a file of
 # examples. Options that pages name are there.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # No name of a file or channel moves the terminal's cursor or turns the order of
 # a line: not in figures, tables, lists and messages, and not in files that
 # people print. JSON keeps the name, escaped.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # --ocio: the view of an OpenColorIO config in the place of --tonemap. Where
 # oiiotool is there, its --ociodisplay is the truth.
 . "$(dirname "$0")/lib.sh"

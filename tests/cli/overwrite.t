@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # No output may take the place of a file that the run reads, nor that of another
 # output: files are told apart as files, whatever names they are given by.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # --debug polygons: what -o shows, with outlines in pure green over it.
 . "$(dirname "$0")/lib.sh"
 need_python

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # glarepp:version and glarepp:command: what made a picture, in each EXR and PNG.
 . "$(dirname "$0")/lib.sh"
 need_python

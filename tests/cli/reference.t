@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Agreement with a program by someone else: the glare layer of scipy's
 # convolution in float64, from the script reference.py beside the data. There
 # all of a pixel over the threshold is a source, and values end at 65504.

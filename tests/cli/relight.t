@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Frames lit by lamps of their scene: beside lamps that a renderer lit, and what
 # is missing.
 . "$(dirname "$0")/lib.sh"

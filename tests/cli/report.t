@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Reports and messages: the report's fields, -q, -v, --progress, --help,
 # --version.
 . "$(dirname "$0")/lib.sh"
@@ -377,9 +378,10 @@ is "$(wc -c <err)" 0 '--help: nothing on stderr'
 run --version
 status_is 0 --version
 like "$(head -1 out)" 'glarepp [0-9]*.[0-9]*.[0-9]*' '--version'
-for library in OpenEXR libpng libdeflate jansson FFTW OpenImageIO; do
+for library in OpenEXR libpng libdeflate jansson OpenImageIO; do
     ok "--version: names $library" grep -qi $library out
 done
+is "$(tail -n 1 out)" 'Apache-2.0; no warranty' '--version: names the licence'
 
 # the page has each field, and no other: .It Cm has fields, .Cm those of the
 # object before; cpu_ms has those of times_ms

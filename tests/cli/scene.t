@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Scenes: lights and cameras of a glTF file beside a frame's own.
 . "$(dirname "$0")/lib.sh"
 need_python

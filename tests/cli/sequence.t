@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Frame patterns, lists of frames, and frames that depend on no other frame.
 . "$(dirname "$0")/lib.sh"
 need_python

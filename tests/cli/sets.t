@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # glarepp sets: Table 15-1 of a scene, with the same picture in every row; its
 # JSON and pictures; scenes and options that are wrong.
 . "$(dirname "$0")/lib.sh"

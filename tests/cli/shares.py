@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compares shares of reports with the truth beside the data's frames.
 
 Usage: shares.py DATA REPORT LIMIT

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The share of the sun against the truth that a second camera measured, which
 # looks at the sun.
 . "$(dirname "$0")/lib.sh"

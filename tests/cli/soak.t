@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # A short soak; `make soak` has frames without end.
 . "$(dirname "$0")/lib.sh"
 [ -n "$oiio" ] || skip_all 'no numpy and OpenImageIO'

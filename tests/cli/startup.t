@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # A run does not load libraries that it does not need: no time is lost, and no
 # package is needed.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Frames in pipes: formats of stdout, several frames in one stream, ffmpeg and
 # GNU parallel at the other end.
 . "$(dirname "$0")/lib.sh"

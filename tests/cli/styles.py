@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measures pictures of styles. Raw pictures have 16 bits, low byte first.
 
 usage: styles.py black A B     rise of the 1st percentile from A to B, in codes of

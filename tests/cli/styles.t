@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Styles: what each does to a picture, the default's blacks by day and halo by
 # night, and the sheet of them.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Suns and lamps: where they stand, what hides them, the light they bring.
 . "$(dirname "$0")/lib.sh"
 need_python

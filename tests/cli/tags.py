@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Prints what files say about themselves, with nothing but Python.
 
 usage: tags.py FILE...

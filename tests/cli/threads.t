@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The same bytes for any number of threads, in every run and every locale.
 . "$(dirname "$0")/lib.sh"
 need_python

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Files that hold several views, --views: what each eye becomes, and what --hdr
 # carries. The truth is a run on that eye alone.
 # shellcheck disable=SC2016

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Data windows that are not the display window: outputs are made on the union,
 # and are those of a frame that was as large before.
 . "$(dirname "$0")/lib.sh"

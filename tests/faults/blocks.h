@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The addresses of blocks of memory that were allocated and not yet freed: a
  * hash table that allocates nothing itself, as malloc() fills it. A removed
  * entry stays in it as REMOVED. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* EGL that breaks: the real one with some of its answers changed.
  * Give its path in GLAREPP_EGL, and in BROKEN_EGL what is to break:
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* OSMesa that breaks: the real one with some of its answers changed.
  * Give its path in GLAREPP_OSMESA, and in BROKEN_GL what is to break:
  *

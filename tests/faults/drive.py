@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Fails one call after another of a small run, and looks at what is left.
 
 usage: drive.py PROGRAM SHIM all|CONFIGURATION...

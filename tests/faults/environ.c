@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Tells of variables that are added to the environment: LD_PRELOAD this.
  *
  *   ENVIRON_LOG=FILE  gets a line "added NAME" for each, and "beside-threads

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Makes calls of the system, of malloc and of GL fail. One source, built twice:
  *
  *   shim.o   with FAIL_WRAPPED, linked into the unit tests with --wrap of these

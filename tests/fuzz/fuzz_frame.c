@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A frame from memory: read, look for its depth and coverage, find its light,
  * make it a kernel (the last byte says how), write it again. */
 #include "glare/kernel.h"

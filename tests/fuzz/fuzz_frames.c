@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Lists of frames and of views, and patterns of names: the first line is a list
  * of frames, the others are names. */
 #include "harness.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glTF scenes: read, posed, turned, and their cameras compared. */
 #include "core/memory.h"
 #include "harness.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Lights, lens flare, lenses and cameras: the same text for each reader, and what it
  * makes of it put to use. */
 #include "core/camera.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Several images in one pipe. */
 #include "harness.h"
 #include "io/read.h"

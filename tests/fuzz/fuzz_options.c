@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The command line, a word a line. */
 #include "cli/options.h"
 #include "harness.h"

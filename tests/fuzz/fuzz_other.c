@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Files that the helper program reads: as they are, cut off, and with bytes
  * changed. Each is one line, or a picture that is the same when it is read
  * again; a file that was cut is one line, or the whole file's picture. The

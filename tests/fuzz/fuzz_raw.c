@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A file from disk: each part as `compare` reads it, compared with the part
  * before and with itself; and as one of depth or coverage. */
 #include "compare/compare.h"

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Usage: grow.sh BUILD SECONDS
 # Grows the corpora: fuzzes each target from its seeds and from what
 # tests/fuzz/corpus has, and keeps there the ten files that reach most.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the fuzz targets: a log that checks its lines, a meter of the
  * heap, and the input as a file or a pipe.
  *

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Picks the inputs that reach the most, few and small.
 
 usage: pick.py CONTROL FOLDER

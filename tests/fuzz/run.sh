@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Usage: run.sh BUILD SECONDS [TARGET...]
 # Runs each target of BUILD over its corpus and over what seeds.sh makes with
 # the program beside BUILD, and fuzzes it that long when SECONDS is over 0 and it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The targets without a fuzzer: feeds files, and the files of folders, to
  * LLVMFuzzerTestOneInput. Ends with "N inputs"; words with "-" are skipped,
  * because libFuzzer's own main takes its options so. */

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: seeds.sh GLAREPP FOLDER
 # Makes the first inputs of each target, FOLDER/NAME/*: small frames that
 # the program wrote, and texts that its readers know. Ten of those that fuzzers

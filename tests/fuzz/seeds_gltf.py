@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes small glTF scenes into a folder, the first inputs of fuzz_gltf.
 
 Usage: seeds_gltf.py FOLDER

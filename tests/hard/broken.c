@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Scenes that must be refused: each file is one line with its name and the
  * status of bad data, and nothing is kept. */
 #include "hardcases.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The hard cases, one table: every engine, tone curve, sun method and output
  * format runs through all of them against a plain form in double (hardcases.h).
  * A field that a row does not give has its usual value. */

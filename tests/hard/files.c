@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Every format over the hard cases: what is read back against what was to be
  * stored, windows and the rules for NaN, Inf and overflow included. EXR is read
  * by io's reader, what io writes else by plain readers, and other formats

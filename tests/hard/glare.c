@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Every engine over the hard cases, one after the other through one opened
  * engine, against gp_glare_reference(): with the cases' own kernels, and with
  * those of models over the whole field. */

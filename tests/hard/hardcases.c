@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The hard cases against plain forms in double, the largest error of each cell
  * printed. Status 1 when a cell is over its bar.
  *

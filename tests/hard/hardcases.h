@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The families of hard cases, a table each: all rows of cases.h through every
  * engine, every tone curve, every sun method and every output format, those of
  * hostile.c through every engine of scenes. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Scenes in memory that are hostile, through every engine of scenes: sets,
  * rays, shares by rays, the paper's renderer and relit frames;
  * against plain rays through every triangle. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The hard cases as scenes. In a sunny row the light of the sun joins the
  * sources: for engines by the share that src/sun finds in the row's depth, for
  * the exact layer by the plain share (sky.h). */

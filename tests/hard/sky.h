@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The sky of a hard case: its sun, the depth and mask that hide it with the
  * truth of which pixels do, and its plain share that shows. */
 #ifndef GP_TESTS_HARD_SKY_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Prints one row for each table of the hard cases: its cells, and the cell that
 # is nearest to its bar. Cells without a bar count, but are not compared.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Every way to find a sun's visibility over the hard cases: depth alone, a mask
  * alone, both, and every way to count what lies outside the frame; against
  * plain sums over pixels that were told which of them hide the sun. */

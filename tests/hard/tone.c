@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Every tone curve over the hard cases, NaN and Inf among the light, against
  * the printed equations in double (tone_forms.h). */
 #include "hardcases.h"

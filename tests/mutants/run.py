@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks that tests notice what would break: `make mutants`.
 
 Usage: run.py BUILD [WORD...]

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """What differs between processors, as a table.
 
 usage: families.py PROGRAM FOLDER

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Random frames and kernels of the soak: what a stranger's EXR may hold.
 
 Everything comes from the random.Random that is passed, so a case can be made

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Random command lines of the soak.
 
 options() gives two lists: what a command shares with the same command with

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Random frames with random options, each against --engine direct.
 
 usage: soak.py PROGRAM [--seed N] [--frames N] [--only N] [--jobs N]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a file must hold, given the values that were to be stored in it.
 
 Compressions that lose have no bar here: the values are written once more, by

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # usage: twin.sh BUILD
 # Builds the same source in another folder, and says whether the program and
 # its bridges are the same bytes as those in BUILD; status 1 when one is not.

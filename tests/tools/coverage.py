@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Line and branch coverage of src/, a file and a room, from gcov's counters.
 
 usage: coverage.py [-u] BUILD [FLOOR|ROOM=FLOOR]...

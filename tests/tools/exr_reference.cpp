@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prints what OpenEXR's C++ library reads of a file: a line for each part (its
 // data window) and each channel (type, hash of its samples). Status 0 if the file
 // is whole, else 4 and a line with the reason.

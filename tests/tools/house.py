@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks the rules of the house: includes between rooms, circles of calls, tags,
-private headers, sizes, globals, inexact functions, subjects of commits.
+private headers, sizes, licences, globals, inexact functions,
+subjects of commits.
 
 Usage: house.py ROOT BUILD     BUILD must have its objects
 
@@ -50,6 +52,9 @@ MEASURING = ("bench/", "compare/", "glare/fft/")
 INEXACT = re.compile(
     r"(sincos|a?(sin|cos|tan)h?|atan2|exp(2|10|m1)?|log(2|10|1p)?|pow|hypot|cbrt|"
     r"erfc?|[jy][01n]|[lt]gamma|fma|c(abs|arg|exp|log|pow|sqrt))[fl]?")
+LICENCE = "SPDX-License-Identifier: Apache-2.0"
+COMMENTED = (".c", ".h", ".cpp", ".inc", ".glsl", ".frag", ".vert", ".py", ".sh", ".t",
+             ".awk", ".yaml")
 SUBJECT = re.compile(
     r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*(, [a-z0-9_/-]+)*: \S.*[^.]$")
 SINCE = "8c81615"  # later commits must have subjects of this form
@@ -140,6 +145,22 @@ def check_sizes(files):
         fault("readme", f"README.md has {lines} lines, not at most 150")
 
 
+def check_licences():
+    """The first line of each source, after one of #!, names its licence."""
+    for top in ("src", "tests", "examples", "man", ".ci"):
+        for folder, _, names in sorted(os.walk(os.path.join(ROOT, top))):
+            for name in sorted(names):
+                if not name.endswith(COMMENTED) and name != "Makefile":
+                    continue
+                path = os.path.join(folder, name)
+                with open(path, encoding="utf-8", errors="replace") as f:
+                    lines = [f.readline() for _ in range(2)]
+                line = lines[lines[0].startswith("#!")]
+                if line not in (f"// {LICENCE}\n", f"# {LICENCE}\n"):
+                    fault("licences", f"{os.path.relpath(path, ROOT)} does not begin "
+                                      f"with {LICENCE}")
+
+
 def symbols(files):
     """For each .c: the gp_ symbols that it defines, and all that it uses."""
     defined, taken = {}, {}
@@ -227,6 +248,7 @@ def main():
     check_words(files)
     check_tags(files)
     check_sizes(files)
+    check_licences()
     defined, taken = symbols(files)
     check_circles(defined, taken)
     check_globals(files, defined, taken)

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Usage: lint.sh TOOL FILE...
 # Runs a linter over these files; status 0 if it finds nothing.
 #   clang-tidy    all checks of .clang-tidy; needs compile_commands.json

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the pixels that OpenEXR's RgbaInputFile reads from a file to stdout: raw
 // floats, R, G, B of each pixel of the data window. It is the reference for
 // formats where OpenImageIO cannot be: luminance-chroma, which it does not read,

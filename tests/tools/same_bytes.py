@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks that two builds of glarepp make the same bytes.
 
 Usage: same_bytes.py OLD NEW [DATA [PATTERN]]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The bridges of this build, for tests, which it puts one folder below them. */
 #ifndef BRIDGE_HERE_H
 #define BRIDGE_HERE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Small EXR files for tests, written by OpenEXRCore's own encoder, with
  * samples that a formula gives, so that any reader can be checked. */
 #ifndef EXR_FIXTURE_H

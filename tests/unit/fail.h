@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Makes one call of the program's own code fail: tests/faults/shim.c, linked
  * into the unit tests with --wrap of these calls (FAIL_WRAP in tests/Makefile),
  * so that calls made by libraries do not count. */

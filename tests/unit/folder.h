@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A folder for the files of a suite: make_folder() and remove_folder() are its
  * setup and teardown. */
 #ifndef GP_TESTS_FOLDER_H

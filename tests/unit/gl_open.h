@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A context for tests that draw. Their log is kept_log.h's. */
 #ifndef GP_TESTS_GL_OPEN_H
 #define GP_TESTS_GL_OPEN_H

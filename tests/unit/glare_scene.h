@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Frames, sources, kernels and their exact layer, made up for the engines'
  * tests. Everything comes from a seed; nothing is read from a file. */
 #ifndef GP_TESTS_GLARE_SCENE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glTF files for tests, in the one file of folder.h: JSON where ' stands for ",
  * with buffers of numbers as data URIs. */
 #ifndef GP_TESTS_GLTF_MADE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glTF files that are wrong, as gm_write() takes them. */
 #ifndef GP_TESTS_GLTF_WRONG_H
 #define GP_TESTS_GLTF_WRONG_H

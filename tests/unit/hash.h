@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A hash of bytes, for tests that two runs make the same ones. */
 #ifndef GP_TESTS_HASH_H
 #define GP_TESTS_HASH_H

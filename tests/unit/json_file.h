@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Small files for tests of JSON readers. Their log is kept_log.h's. */
 #ifndef GP_TEST_JSON_FILE_H
 #define GP_TEST_JSON_FILE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Logs that keep lines: kept_log the last error's and its parameter, kept_all
  * those of any message; both the last warning's. They count errors and lines. */
 #ifndef GP_TESTS_KEPT_LOG_H

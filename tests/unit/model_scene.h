@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Fields and recipes for tests of models. */
 #ifndef GP_TESTS_MODEL_SCENE_H
 #define GP_TESTS_MODEL_SCENE_H

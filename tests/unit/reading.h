@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Reading for tests: errors go to kept_line, files into a folder. */
 #ifndef READING_H
 #define READING_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Scenes in memory, without a file: boxes, cards with holes, balls, rooms, and
  * random ones from a seed. Their world is z up.
  *

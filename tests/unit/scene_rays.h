@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rays through scenes in memory, triangle by triangle, for what sets must not
  * lose. Triangles have two sides; texels of cutouts are taken as squares. */
 #ifndef GP_TESTS_SCENE_RAYS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Pictures of scenes in memory by plain rays, and what lights do to them: the
  * truth of sets, shares and relit frames. */
 #ifndef GP_TESTS_SCENE_SHOT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Variables of the environment as the program passes them on. */
 #ifndef SET_ENV_H
 #define SET_ENV_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The tone curves as their sources print them, in double. A curve of
  * gp_tone_curves needs a row in `references`; its tests follow from that. */
 #ifndef GP_TESTS_TONE_FORMS_H

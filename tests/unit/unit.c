@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Runs the suites of a room; see unit.h. */
 #include "unit.h"
 

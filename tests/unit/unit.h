@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A suite is a file of tests; a room's suites are one program:
  *
  *   build/tests/ROOM              every suite, each in a process of its own

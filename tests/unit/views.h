@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A file's frame as the picture that a library's room takes, and back. */
 #ifndef GP_TESTS_UNIT_VIEWS_H
 #define GP_TESTS_UNIT_VIEWS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A folder for files that tests write, and frames made in memory. */
 #ifndef WRITE_FIXTURE_H
 #define WRITE_FIXTURE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Adds one target to another of the same size.
 //
 // in   addend   scene-linear rgb

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shared by all shaders; prepended to each of them.
 //
 // Pixels of a target: column x from the left, row y from the image's top,

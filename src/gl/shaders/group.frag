@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Groups and clusters (Ando et al. 2007, sections 4.1 and 4.2): each fragment
 // is a cell, a block of side x side pixels, that becomes one polygon.
 //

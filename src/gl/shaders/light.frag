@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pass of one light: adds its light to surfaces of the picture that see it.
 //
 // in   place    of the surface, from the light, in axes of the world

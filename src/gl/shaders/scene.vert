@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangles of a scene's mesh in their place: for the picture, or for a light's
 // map of shadows.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pass that sets the picture's depth and its ambient light, or a light's
 // map of shadows, which is depth only.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The glare image on an open polygon (Ando et al. 2007, section 3.2), by
 // bilinear samples: one texel of the kernel where it lies on whole pixels. The
 // four samples are weighted here: a GPU's own filter has weights of 8 bits.

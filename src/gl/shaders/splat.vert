@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Glare sensors: one degenerate polygon for each cell of a grid (Ando et al.
 // 2007, section 3.1), a pixel or a group. A bright sensor opens its polygon to
 // the kernel's size, shrunk to where the kernel counts (section 4.3); a dark

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sun map (Maughan, "Texture Masking for Faster Lens Flare", step 3): each
 // fragment is a texel of one light's map, the mean of its k x k samples.
 // With PIXELS defined: the pixels of a region themselves, for one light.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A rectangle of the sun maps' atlas for each light. Instance = light.
 // With PIXELS defined: the region of one light, by itself.
 //

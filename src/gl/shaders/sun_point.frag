@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Adds a texel of each light's sun map to the light's pixel of the intensity map.
 //
 // in   atlas  sun maps side by side; r share shown, g weight

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Texels of sun maps to be added up (Maughan, step 4). Instance = texel of every
 // map: a triangle over the whole target, which has a pixel for each light in rows
 // as the atlas has maps, stands for a point in each of them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Polygons gathered per tile: a fragment is a block of 4x2 pixels, which sums
 // over the polygons whose glare reaches its tile: none is blended, and one load
 // serves several pixels.

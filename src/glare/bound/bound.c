@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Lower limits of light, and errors in proportion to them: by values too small
  * for float, and in the worst pixel of the composite. */
 #include "glare/bound/bound.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Bounds of errors that are known before an engine runs, from only the sources,
  * the kernel and the frame. */
 #ifndef GP_GLARE_BOUND_BOUND_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "glare/direct/direct.h"
 
 #include "core/cpu.h"
@@ -10,11 +11,14 @@
 #include <string.h>
 
 enum {
-    STRIP = GP_TAPS_PAD, // columns a task takes; 4 vectors of 8
-    LANES = GP_DIRECT_LANES,
-    GROUP = GP_DIRECT_GROUP,
+    LANES = 8,
+    STRIP = GP_TAPS_PAD, // columns a task takes; 4 vectors
+    GROUP = 32,          // sources summed before the sum is put aside
     LINE = 64 / sizeof(float), // floats of a cache line
 };
+
+typedef float vector __attribute__((vector_size(4 * LANES)));
+typedef float loose __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
 
 /* A source as one strip sees it: taps[base + y * pitch] is the kernel's
  * sample for the strip's first column of row y. */
@@ -49,13 +53,6 @@ static void lay_row(void *ctx, int i, int thread)
     memset(row, 0, t->pitch * sizeof *row);
     memcpy(row + GP_TAPS_PAD, l->k->k.c[c] + at + l->cut.x0,
            (size_t) t->w * sizeof *row);
-}
-
-gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
-                       int radius, struct gp_taps *out)
-{
-    const int r = radius < 0 ? INT_MAX / 2 : radius;
-    return gp_taps_cut(log, k, r, r, out);
 }
 
 gp_status gp_taps_cut(const struct gp_log *log, const struct gp_kernel *k,
@@ -93,28 +90,31 @@ void gp_taps_free(struct gp_taps *t)
 
 /* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
 GP_CLONES static void sum_strip(const struct strip_source *s, uint32_t n,
-                                const float *k0, const float *k1,
-                                const float *k2, ptrdiff_t row_at,
-                                float sum[3][STRIP])
+    const float *k0, const float *k1, const float *k2, ptrdiff_t row_at,
+    float sum[3][STRIP])
 {
-    gp_vec total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
+    vector total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
     while (n > 0) {
         const uint32_t group = n < GROUP ? n : GROUP;
-        gp_vec a[3][STRIP / LANES] = {0};
+        vector a[3][STRIP / LANES] = {0};
         for (uint32_t i = 0; i < group; i++) {
             const ptrdiff_t at = s[i].base + row_at;
             for (int v = 0; v < STRIP / LANES; v++) {
                 a[0][v] += s[i].rgb[0] *
-                           *(const gp_loose *) (k0 + at + v * LANES);
+                           *(const loose *) (k0 + at + v * LANES);
                 a[1][v] += s[i].rgb[1] *
-                           *(const gp_loose *) (k1 + at + v * LANES);
+                           *(const loose *) (k1 + at + v * LANES);
                 a[2][v] += s[i].rgb[2] *
-                           *(const gp_loose *) (k2 + at + v * LANES);
+                           *(const loose *) (k2 + at + v * LANES);
             }
         }
         for (int c = 0; c < 3; c++) {
-            for (int v = 0; v < STRIP / LANES; v++)
-                GP_ADD_KEPT(total[c][v], lost[c][v], a[c][v]);
+            for (int v = 0; v < STRIP / LANES; v++) { // Kahan 1965
+                const vector more = a[c][v] - lost[c][v];
+                const vector next = total[c][v] + more;
+                lost[c][v] = (next - total[c][v]) - more;
+                total[c][v] = next;
+            }
         }
         s += group;
         n -= group;
@@ -170,22 +170,12 @@ static void run_strip(void *ctx, int strip, int thread)
     }
 }
 
-/* Returns true when quads may serve a frame of h rows: they need the kernel's
- * rows four times as fast, from the cache, and place them by an int. */
-static bool fits_quads(const struct gp_taps *t, int h)
-{
-    return 3 * sizeof(float) * t->pitch * (size_t) t->h <= 1 << 18 &&
-           t->pitch * ((size_t) t->h + (size_t) h) <= INT_MAX;
-}
-
 gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
     const struct gp_taps *taps, bool add, struct gp_planes *layer)
 {
     gp_status st;
     const size_t threads = (size_t) gp_threads();
     struct direct d = {.src = src, .taps = taps, .layer = layer, .add = add};
-    if (fits_quads(taps, src->h) && gp_direct_quads(src) > 0.0)
-        return gp_quads_sum(log, src, taps, add, layer);
     GP_TRY(gp_alloc(log, "direct", threads * src->n, sizeof *d.list, &d.list));
     GP_TRY(gp_alloc(log, "direct", threads * ((size_t) src->h + 1),
                     sizeof *d.row, &d.row));
@@ -229,11 +219,13 @@ double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
 static gp_status run_direct(const struct gp_glare_request *req, void **state)
 {
     struct gp_taps taps;
-    gp_status st = gp_taps_make(req->log, req->kernel, -1, &taps);
+    gp_status st = gp_taps_cut(req->log, req->kernel, INT_MAX / 2, INT_MAX / 2,
+                               &taps);
     (void) state;
     if (st)
         return st;
-    req->stats->bound = gp_direct_bound(req->kernel, req->src->n);
+    if (!(req->stats->bound > 0.0))
+        req->stats->bound = gp_direct_bound(req->kernel, req->src->n);
     st = gp_direct_sum(req->log, req->src, &taps, false, req->layer);
     gp_taps_free(&taps);
     return st;

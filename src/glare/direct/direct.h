@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The convolution sum as it is written, source by source. */
 #ifndef GP_GLARE_DIRECT_DIRECT_H
 #define GP_GLARE_DIRECT_DIRECT_H
@@ -24,9 +25,6 @@ struct gp_taps {
  * y. Free with gp_taps_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_taps_cut(const struct gp_log *log,
     const struct gp_kernel *kernel, int rx, int ry, struct gp_taps *out);
-/* The same of a square of that radius; of the whole kernel when radius < 0. */
-GP_MUST_CHECK gp_status gp_taps_make(const struct gp_log *log,
-    const struct gp_kernel *kernel, int radius, struct gp_taps *out);
 void gp_taps_free(struct gp_taps *t);
 
 /* Adds the sum to the layer (`add`), or writes it there. Each sample is summed
@@ -37,10 +35,6 @@ GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_taps *taps, bool add,
     struct gp_planes *layer);
 
-/* Quads that gp_direct_sum() makes of the sources when the kernel is small,
- * about; 0 when it takes them one by one, as they are too far apart. */
-double gp_direct_quads(const struct gp_sources *src);
-
 /* Bounds rel_l2 of the sum of n sources: float rounding, as long as no
  * product is under the range of float. INFINITY for a kernel that is
  * negative somewhere, whose light can cancel while the rounding stays. */
@@ -50,42 +44,6 @@ double gp_direct_bound(const struct gp_kernel *k, size_t n);
  * cut to the frame. No more rows are counted from where they are over `most`. */
 double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
                       int cy, double most);
-
-// -- quad.c -------------------------------------------------------------------
-//
-// Adjacent light, as in lamps, windows, skies, in columns of four: four sources
-// one above the other add one row of the kernel to four pixels one above the
-// other, so that a loaded sample of the kernel serves four products.
-
-enum { GP_QUAD = 4 };
-
-/* gp_direct_sum() in the same order of the sources and within the same bound.
- * (h + taps->h) * taps->pitch must fit an int; best when the taps fit the
- * second-level cache. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_quads_sum(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_taps *taps, bool add,
-    struct gp_planes *layer);
-
-// -- shared by both forms of the sum -----------------------------------------
-
-enum {
-    GP_DIRECT_LANES = 8,
-    GP_DIRECT_GROUP = 32, // sources summed before the sum is put aside
-};
-
-typedef float gp_vec __attribute__((vector_size(4 * GP_DIRECT_LANES)));
-typedef float gp_loose __attribute__((vector_size(4 * GP_DIRECT_LANES),
-                                      aligned(4), may_alias));
-
-/* Adds a group's sum to the total; `lost` keeps what rounding loses (Kahan
- * 1965). */
-#define GP_ADD_KEPT(total, lost, group)                                       \
-    do {                                                                      \
-        const gp_vec more_ = (group) - (lost);                                \
-        const gp_vec next_ = (total) + more_;                                 \
-        (lost) = (next_ - (total)) - more_;                                   \
-        (total) = next_;                                                      \
-    } while (0)
 
 /* First index in [lo, hi) whose column is >= x. */
 static inline uint32_t gp_first_from(const int32_t *col, uint32_t lo,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Applying a far field: light to the coarse grid, a convolution, and back. */
 #include "core/cpu.h"
 #include "core/maths.h"
@@ -16,7 +17,7 @@ enum { TAPS = GP_FAR_TAPS, MOST_STEP = 32, LANES = 8 };
 
 struct gp_far_state {
     unsigned long serial;          // of the far field
-    struct gp_fft_plan_pair x, y;
+    struct gp_transform pair[2];   // of x and y
     struct gp_fft_matrix spectrum; // of c, times factors of the passes
     struct gp_far_error error;
     float weight[MOST_STEP][TAPS]; // B at the nodes around pixel i of a step
@@ -27,8 +28,7 @@ void gp_far_close(struct gp_far_state **state)
 {
     struct gp_far_state *const s = *state;
     if (s) {
-        gp_fft_plan_free(&s->x);
-        gp_fft_plan_free(&s->y);
+        gp_fft_pair_free(s->pair);
         gp_fft_matrix_free(&s->spectrum);
     }
     GP_FREE(*state);
@@ -52,10 +52,8 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
     const struct kernel_rows *const r = ctx;
     const int rx = r->t->rx, w = 2 * rx + 1;
     const float *const row = r->t->c[c] + (size_t) j * (size_t) w + rx;
-    for (int x = 0; x <= rx; x++)
-        z[2 * x] = row[x];
-    for (int x = -rx; x < 0; x++)
-        z[2 * (x + r->nx)] = row[x];
+    memcpy(z, row, ((size_t) rx + 1) * sizeof *z);
+    memcpy(z + r->nx - rx, row - rx, (size_t) rx * sizeof *z);
 }
 
 /* A frequency of an axis, in periods a step: the transform of the spline's own
@@ -98,8 +96,8 @@ struct limits {
     double sum, square; // over all frequencies
 };
 
-/* Adds a column of the spectrum, of frequency u across and as many as `twice`
- * alike, to l. */
+/* Adds a column of the spectrum, one lane of its points, of frequency u across
+ * and as many as `twice` alike, to l. */
 GP_CLONES static void limit_column(const float *restrict z, double scale,
     const struct keeping *u, const struct keeping *down, int ny, double twice,
     struct limits *l)
@@ -108,7 +106,8 @@ GP_CLONES static void limit_column(const float *restrict z, double scale,
     for (int y = 0; y < ny; y++) {
         const struct keeping *const v = &down[y];
         const double own = u->own * v->own;
-        const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
+        const float *const at = z + 2 * GP_FLOAT_LINES * y;
+        const double re = (double) at[0], im = (double) at[GP_FLOAT_LINES];
         const double f = scale * own * own * sqrt(re * re + im * im);
         const double kept = u->kept * v->kept;
         const double lost = fabs(1.0 - kept * kept);
@@ -133,7 +132,7 @@ static gp_status find_error(const struct gp_log *log, const struct gp_far_field 
 {
     static const double ROUNDINGS = 64.0; // of a sum of products: two lines of
                                           // a step's pixels and nodes, and more
-    const int nx = s->x.n, ny = s->y.n;
+    const int nx = s->pair[0].n, ny = s->pair[1].n;
     const double step = t->split.step, area = step * step;
     const double points = (double) nx * ny;
     struct gp_far_error e = {.rounding = ROUNDINGS * 0x1p-24};
@@ -149,7 +148,10 @@ static gp_status find_error(const struct gp_log *log, const struct gp_far_field 
         for (int x = 0; x <= nx / 2; x++) {
             const struct keeping across = keep_of(frequency(x, nx));
             // the passes' factor 1 / 2 of rows was left out once
-            limit_column(s->spectrum.z[c] + 2 * (size_t) x * s->spectrum.pitch,
+            const float *const plane = s->spectrum.z[c];
+            limit_column(plane + (size_t) (x / GP_FLOAT_LINES) *
+                                     s->spectrum.pitch * 2 * GP_FLOAT_LINES +
+                             x % GP_FLOAT_LINES,
                          2.0 * points * area, &across, down, ny,
                          x == 0 || 2 * x == nx ? 1.0 : 2.0, &l);
         }
@@ -171,7 +173,6 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     gp_status st = GP_OK;
     const int channels = t->grey ? 1 : 3, rows = 2 * t->ry + 1;
     struct gp_far_state *s = NULL;
-    struct gp_fft_matrix m = {0};
     int *places = NULL;
     if (*state && (*state)->serial == t->serial)
         return GP_OK;
@@ -179,21 +180,20 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     const int nx = gp_fft_length(2 * t->rx + 1);
     const int ny = gp_fft_length(2 * t->ry + 1);
     GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *s, &s));
-    GP_TRY(gp_fft_plan_make(log, nx, GP_FFT_PLAN_ESTIMATE, NULL, &s->x));
-    GP_TRY(gp_fft_plan_make(log, ny, GP_FFT_PLAN_ESTIMATE, NULL, &s->y));
-    GP_TRY(gp_fft_matrix_make(log, channels, nx, ny, &s->spectrum));
-    GP_TRY(gp_fft_matrix_make(log, channels, nx, rows, &m));
+    GP_TRY(gp_fft_pair_make(log, nx, ny, false, s->pair));
+    GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, channels, nx, ny,
+                              &s->spectrum));
     GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
     const struct gp_fft_request fft = {
-        .log = log, .x = &s->x, .y = &s->y, .channels = channels,
+        .log = log, .x = &s->pair[0], .y = &s->pair[1], .channels = channels,
     };
     const struct kernel_rows from = {t, nx};
     for (int j = 0; j < rows; j++)
         places[j] = (j - t->ry + ny) % ny;
-    GP_TRY(gp_fft_rows_in(&fft, rows, load_kernel_row, &from, &m));
+    GP_TRY(gp_fft_rows_in(&fft, rows, load_kernel_row, &from, &s->spectrum));
     // factors 1/2 of rows were left out here, and will be of the light's
-    GP_TRY(gp_fft_columns(&fft, &m, rows, places,
-                          (float) (0.25 / ((double) nx * ny)), &s->spectrum));
+    GP_TRY(gp_fft_make_kernel(&fft, (struct gp_fft_rows) {rows, places},
+                              0.25 / ((double) nx * ny), &s->spectrum));
     GP_TRY(find_error(log, t, s));
     for (int i = 0; i < t->split.step; i++) {
         double b[TAPS];
@@ -207,7 +207,6 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     s = NULL;
 out:
     gp_far_close(&s);
-    gp_fft_matrix_free(&m);
     gp_free(places);
     return st;
 }
@@ -306,7 +305,7 @@ static void load_nodes(const void *ctx, int c, int j, float *z)
             a->sums + (((size_t) i * TAPS + (size_t) k) * 3 + (size_t) c) *
                           a->pitch;
         for (int x = 0; x < a->nodes_x; x++)
-            z[2 * x] += from[x];
+            z[x] += from[x];
     }
 }
 
@@ -318,8 +317,7 @@ static void store_nodes(const void *ctx, int c, int j, int thread,
     (void) thread;
     const struct gp_far_rows *const a = ctx;
     float *const to = a->grid[c] + (size_t) j * a->pitch;
-    for (int x = 0; x < a->nodes_x; x++)
-        to[x] = z[2 * x];
+    memcpy(to, z, (size_t) a->nodes_x * sizeof *to);
 }
 
 /* Adds a line of nodes to a row of w pixels, `at` the weights of each tap. */
@@ -383,7 +381,7 @@ static void load_flat(const void *ctx, int c, int j, float *z)
     const struct gp_far_rows *const a = ctx;
     (void) c;
     for (int x = 0; x < a->nodes_x; x++)
-        z[2 * x] = a->sums[x] * a->sums[a->nodes_x + j];
+        z[x] = a->sums[x] * a->sums[a->nodes_x + j];
 }
 
 /* Adds n pixels of light 1 to their nodes. */
@@ -422,15 +420,13 @@ static gp_status make_rows(const struct gp_log *log,
         GP_TRY(gp_alloc_zero(log, "tail", (size_t) a->nodes_y,
                              a->pitch * sizeof(float), &a->grid[c]));
     GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
-    GP_TRY(gp_fft_matrix_make(log, channels, state->x.n,
-                              gp_max(rows, a->nodes_y), &m));
+    GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, channels,
+                              state->pair[0].n, gp_max(rows, a->nodes_y), &m));
     for (int j = 0; j < rows; j++)
         places[j] = a->first + j;
     const struct gp_fft_request fft = {
-        .log = log, .x = &state->x, .y = &state->y, .channels = channels,
-    };
-    const struct gp_fft_kernel kernel = {
-        .channels = t->grey ? 1 : 3, .spectrum = state->spectrum,
+        .log = log, .x = &state->pair[0], .y = &state->pair[1],
+        .channels = channels,
     };
     if (a->src) {
         GP_TRY(gp_alloc(log, "tail", (size_t) (a->last - a->first) * TAPS * 3,
@@ -443,7 +439,8 @@ static gp_status make_rows(const struct gp_log *log,
         spread_flat(state, step, a->h, a->sums + a->nodes_x);
     }
     GP_TRY(gp_fft_rows_in(&fft, rows, a->src ? load_nodes : load_flat, a, &m));
-    GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &kernel, 0, a->nodes_y));
+    GP_TRY(gp_fft_multiply(&fft, (struct gp_fft_rows) {rows, places},
+                           &state->spectrum, 0, a->nodes_y, &m));
     GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
     GP_FREE(a->sums);
     *out = a;

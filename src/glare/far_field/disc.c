@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A far field spread over a light's disc, on its own grid. */
 #include "core/memory.h"
 #include "glare/far_field/far_field.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The far field: what a kernel has beyond its core, added on a coarse grid.
  *
  *   K(d) = K(d) (1 - share(d)) + K(d) share(d),    share 0 to 1 as |d| grows

@@ -1,32 +1,25 @@
-/* The engine fft; split.c chooses the part that goes direct, spectrum.c makes
- * the kernel's spectrum, pass.c has the transforms. */
+// SPDX-License-Identifier: Apache-2.0
+/* The engine fft: one frame by transforms, in float or in double. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/bound/bound.h"
-#include "glare/direct/direct.h"
-#include "glare/fft/fft_priv.h"
+#include "glare/fft/fft.h"
 
 #include <math.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Kept from frame to frame; each part is made anew when its key differs. */
 struct fft_state {
-    struct gp_fft_plan_pair plan[8]; // of the lengths used last, latest last
-    int plans;
-    struct gp_fft_spectrum spectrum; // the kernel's
+    struct gp_transform pair[2]; // of x and y
+    bool in_double;              // these are
+    struct gp_fft_spectrum spectrum;
     struct gp_fft_matrix work; // of one channel: three leave the cache; empty
                                // between frames
-    unsigned long shape_kernel; // serial of the shapes'
-    struct gp_fft_shape shape[3];
-    unsigned long taps_kernel; // serial of the taps'
-    struct gp_taps core_taps, all_taps;
-    struct gp_fft_core core_taps_of;
-    unsigned long tail_kernel; // serial of the norms'
-    double tail[GP_FFT_CORES];
+    unsigned long norms_kernel; // serial of the norms'
+    struct gp_fft_norms norms;
     unsigned long quarters_kernel; // serial and frame of the quarters
     int quarters_w, quarters_h;
     struct gp_fft_quarters quarters;
@@ -36,73 +29,81 @@ static void close_state(void **state)
 {
     struct fft_state *const s = *state;
     if (s) {
-        for (int i = 0; i < s->plans; i++)
-            gp_fft_plan_free(&s->plan[i]);
+        gp_fft_pair_free(s->pair);
         gp_fft_matrix_free(&s->spectrum.m);
-        for (int c = 0; c < 3; c++)
-            gp_fft_shape_free(&s->shape[c]);
-        gp_taps_free(&s->core_taps);
-        gp_taps_free(&s->all_taps);
     }
     GP_FREE(*state);
 }
 
-/* Returns the index of the plans of length n; s->plans when it has none. */
-static int plan_at(const struct fft_state *s, int n, enum gp_fft_plan how,
-                   bool in_double)
+// -- the kernel ---------------------------------------------------------------
+
+/* The sample of the centre, which is not transformed, of channel c. */
+static float centre_of(const struct gp_kernel *k, int c)
 {
-    int i = 0;
-    while (i < s->plans &&
-           (s->plan[i].n != n || s->plan[i].in_double != in_double ||
-            (s->plan[i].how != how && !in_double)))
-        i++;
-    return i;
+    const bool inside = k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
+    return inside ? k->k.c[c][(size_t) k->cy * (size_t) k->w + (size_t) k->cx]
+                  : 0.0f;
 }
 
-/* The plans of length n, from the state or made; they stay when one more
- * length is asked for, but may move. */
-static gp_status find_plan(const struct gp_glare_request *req,
-                           struct fft_state *s, int n, bool in_double,
-                           const struct gp_fft_plan_pair **out)
+/* Adds n samples to sum of magnitudes, sum of squares and largest. */
+GP_CLONES static void add_norms(const float *v, size_t n, double out[3])
 {
-    const int room = (int) (sizeof s->plan / sizeof *s->plan);
-    const int i = plan_at(s, n, req->params->fft_plan, in_double);
-    if (i < s->plans) {
-        const struct gp_fft_plan_pair found = s->plan[i];
-        memmove(s->plan + i, s->plan + i + 1,
-                sizeof found * (size_t) (s->plans - 1 - i));
-        s->plan[s->plans - 1] = found;
-        *out = &s->plan[s->plans - 1];
-        return GP_OK;
+    enum { LANES = 8 };
+    double sum[LANES] = {0}, square[LANES] = {0};
+    float most[LANES] = {0};
+    size_t i = 0;
+    for (; i < n; i += LANES) {
+        for (size_t j = 0; j < LANES; j++) {
+            const float a = i + j < n ? fabsf(v[i + j]) : 0.0f;
+            sum[j] += (double) a;
+            square[j] += (double) a * (double) a;
+            most[j] = gp_maxf(most[j], a);
+        }
     }
-    if (s->plans == room) { // the one that was not used for longest
-        gp_fft_plan_free(&s->plan[0]);
-        memmove(s->plan, s->plan + 1, sizeof *s->plan * (size_t) (room - 1));
-        s->plans--;
+    for (int j = 0; j < LANES; j++) {
+        out[0] += sum[j];
+        out[1] += square[j];
+        out[2] = fmax(out[2], (double) most[j]);
     }
-    struct gp_fft_plan_pair *const made = &s->plan[s->plans];
-    gp_status st =
-        in_double ? gp_fft_plan_make_double(req->log, n, made)
-                  : gp_fft_plan_make(req->log, n, req->params->fft_plan,
-                                     req->params->wisdom, made);
-    if (!st)
-        *out = made;
-    s->plans += !st;
-    return st;
+}
+
+/* The norms of what is transformed of k. */
+static struct gp_fft_norms norms_of(const struct gp_kernel *k)
+{
+    struct gp_fft_norms o;
+    for (int c = 0; c < 3; c++) {
+        double v[3] = {0};
+        const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
+        const size_t n = (size_t) k->w * (size_t) k->h;
+        const float *const all = k->k.c[c];
+        if (c > 0 && k->grey) {
+            memcpy(v, (double[]) {o.sum[0], o.norm[0] * o.norm[0], o.most[0]},
+                   sizeof v);
+        } else if (centre_of(k, c) > 0.0f) {
+            add_norms(all, at, v);
+            add_norms(all + at + 1, n - at - 1, v);
+        } else {
+            add_norms(all, n, v);
+        }
+        o.sum[c] = v[0];
+        o.norm[c] = sqrt(v[1]);
+        o.most[c] = v[2];
+    }
+    return o;
 }
 
 // -- one frame ---------------------------------------------------------------
 
-/* Rows of the frame that hold light, in order, and their places. */
+/* Rows of the frame that hold light, in order, and their places; and what
+ * becomes of the layer's rows. */
 struct light_rows {
     const struct gp_sources *src;
     const struct gp_fft_placing *p;
     struct gp_planes *layer;
-    struct gp_fft_reach *reach; // NULL: of a negative kernel
-    float noise[3];             // most of a sample, by channels
+    float centre[3], noise[3];  // of the kernel; samples up to it become 0
     struct gp_layer_rest *rest; // or NULL
-    int n;
-    int *y, *place;
+    int *y;                     // of row j of light
+    double *dropped;            // by channel and row of the layer: sum of squares
 };
 
 static void load_light_row(const void *ctx, int c, int j, float *z)
@@ -111,49 +112,56 @@ static void load_light_row(const void *ctx, int c, int j, float *z)
     const struct gp_sources *const s = r->src;
     const int y = r->y[j];
     for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-        z[2 * (s->x[i] - r->p->in.x0)] = s->rgb[c][i];
+        z[s->x[i] - r->p->in.x0] = s->rgb[c][i];
 }
 
-/* Makes samples under 0 black. Returns true when some are in (0, noise]. */
-GP_CLONES static bool clean_row(float *row, int n, float noise)
+/* Copies n samples, those under `noise` as black. Returns the sum of squares of
+ * those that were not. */
+GP_CLONES static double take_row(const float *restrict z, int n, float noise,
+                                 float *restrict row)
 {
-    int some = 0;
-    for (int x = 0; x < n; x++) {
-        row[x] = row[x] > 0.0f ? row[x] : 0.0f;
-        some |= (row[x] > 0.0f) & (row[x] <= noise);
+    enum { LANES = 8 };
+    float lost[LANES] = {0}, sum = 0.0f;
+    int x = 0;
+    for (; x + LANES <= n; x += LANES) {
+        for (int i = 0; i < LANES; i++) {
+            const float v = z[x + i], kept = v > noise ? v : 0.0f;
+            const float less = gp_maxf(v - kept, 0.0f);
+            row[x + i] = kept;
+            lost[i] += less * less;
+        }
     }
-    return some;
+    for (; x < n; x++) {
+        row[x] = z[x] > noise ? z[x] : 0.0f;
+        sum += z[x] > 0.0f ? (z[x] - row[x]) * (z[x] - row[x]) : 0.0f;
+    }
+    for (int i = 0; i < LANES; i++)
+        sum += lost[i];
+    return (double) sum;
 }
 
-/* Every second of 2 n floats. */
-GP_CLONES static void take_real(const float *restrict z, int n,
-                                float *restrict out)
-{
-    for (int x = 0; x < n; x++)
-        out[x] = z[2 * x];
-}
-
-/* Output row j back to the layer, without rounding noise where no light
- * reaches, and with the rest: places start at the box's corner, modulo nx. */
+/* Output row j back to the layer, and with the rest: places start at the box's
+ * corner, modulo nx. */
 static void store_layer_row(const void *ctx, int c, int j, int thread,
                             const float *z)
 {
     const struct light_rows *const r = ctx;
     const struct gp_fft_placing *const p = r->p;
-    const int w = r->src->w, y = p->out.y0 + j;
-    float *const row = r->layer->c[c] + (size_t) y * (size_t) w;
+    const struct gp_sources *const src = r->src;
+    const int y = p->out.y0 + j;
+    float *const row = r->layer->c[c] + (size_t) y * (size_t) src->w;
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
     const int first = gp_fft_wrap(p->out.x0 - p->in.x0, p->nx);
-    const int end = p->out.x0 + p->nx - first;
-    const int seam = end < p->out.x1 ? end : p->out.x1;
-    take_real(z + 2 * first, seam - p->out.x0, row + p->out.x0);
-    take_real(z, p->out.x1 - seam, row + seam);
-    memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
-    if (r->reach &&
-        clean_row(row + p->out.x0, gp_rect_w(p->out), r->noise[c]))
-        gp_fft_reach_clear(r->reach, c, y, thread, r->noise[c], row);
+    const int n = gp_rect_w(p->out), upper = gp_min(n, p->nx - first);
+    const double lost =
+        take_row(z + first, upper, r->noise[c], row + p->out.x0) +
+        take_row(z, n - upper, r->noise[c], row + p->out.x0 + upper);
+    memset(row + p->out.x1, 0, (size_t) (src->w - p->out.x1) * sizeof *row);
+    r->dropped[c * src->h + y] = lost;
+    for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+        row[src->x[i]] += src->rgb[c][i] * r->centre[c];
     if (r->rest)
-        r->rest->add(r->rest->ctx, c * r->src->h + y, thread);
+        r->rest->add(r->rest->ctx, c * src->h + y, thread);
 }
 
 /* Row i of those of the layer that no light of the transform reaches: only the
@@ -171,138 +179,124 @@ static void store_dark_row(void *ctx, int i, int thread)
     }
 }
 
-/* Opens the reach of `src` through the kernel, whose shapes are kept. */
-static gp_status open_reach(const struct gp_glare_request *req,
-    struct fft_state *s, const struct gp_sources *src,
-    struct gp_fft_reach **out)
+/* Returns what counts as noise of a sample of channel c: so many deviations. In
+ * double they are nothing, and more of them keep black what no light reaches, but
+ * for one sample in a million. */
+static double noise_of(const struct gp_glare_request *req,
+    const struct gp_fft_placing *p, const struct gp_fft_norms *k, bool in_double,
+    int c)
 {
-    const struct gp_kernel *const k = req->kernel;
-    const struct gp_fft_shape *shape[3];
-    if (!gp_fft_is_of(s->shape_kernel, k)) {
-        for (int c = 0; c < 3; c++)
-            gp_fft_shape_free(&s->shape[c]);
-        s->shape_kernel = k->serial;
-    }
-    for (int c = 0; c < 3; c++) {
-        struct gp_fft_shape *const own = &s->shape[k->grey ? 0 : c];
-        gp_status st = GP_OK;
-        if (!own->row)
-            st = gp_fft_shape_make(req->log, k, c, own);
-        if (st)
-            return st;
-        shape[c] = own;
-    }
-    return gp_fft_reach_open(req->log, src, k, shape, out);
+    static const double LEFT_OUT = 3.0, IN_DOUBLE = 32.0;
+    return (in_double ? IN_DOUBLE : LEFT_OUT) * gp_fft_rounding(in_double) *
+           gp_fft_noise(p, req->src, k, c);
 }
 
-/* Returns the rounding of a split's transforms over that of float. */
-static double over_float(const struct gp_fft_split *split)
+/* Makes the transforms of a frame's lengths, unless the state has them. */
+static gp_status find_pair(const struct gp_glare_request *req,
+    struct fft_state *s, const struct gp_fft_placing *p, bool in_double)
 {
-    return split->in_double ? GP_FFT_DOUBLE_ROUNDING : 1.0;
+    if (s->pair[1].root && s->pair[0].n == p->nx && s->pair[1].n == p->ny &&
+        s->in_double == in_double)
+        return GP_OK;
+    gp_fft_pair_free(s->pair);
+    s->in_double = in_double;
+    return gp_fft_pair_make(req->log, p->nx, p->ny, in_double, s->pair);
 }
 
-/* Transforms `src` with the kernel less its core into the layer. */
+/* Transforms the sources with the kernel into the layer. Returns what became
+ * black in *dropped, its sum of squares. */
 static gp_status transform(const struct gp_glare_request *req,
-    struct fft_state *s,
-    const struct gp_sources *src, const struct gp_fft_placing *p,
-    const struct gp_fft_split *split)
+    struct fft_state *s, const struct gp_fft_placing *p, bool in_double,
+    double *dropped)
 {
     gp_status st;
-    const bool twice = split->in_double;
-    struct gp_fft_request fft = {.log = req->log, .channels = 1};
-    struct gp_fft_making kernel = {0};
+    const struct gp_sources *const src = req->src;
     struct light_rows light = {.src = src, .p = p, .layer = req->layer,
                                .rest = req->rest};
-    const int count = gp_rect_h(p->out);
-    GP_TRY(find_plan(req, s, p->ny, twice, &fft.y));
-    const struct gp_fft_plan_pair kept = *fft.y; // the list may move
-    GP_TRY(find_plan(req, s, p->nx, twice, &fft.x));
-    fft.y = &kept;
-    const size_t lit = (size_t) gp_rect_h(p->in);
-    GP_TRY(gp_alloc(req->log, "transform", lit, sizeof(int), &light.y));
-    GP_TRY(gp_alloc(req->log, "transform", lit, sizeof(int), &light.place));
+    const int count = gp_rect_h(p->out), lit = gp_rect_h(p->in);
+    const int first = gp_fft_wrap(p->out.y0 - p->in.y0, p->ny);
+    struct gp_fft_rows rows = {0};
+    int *place = NULL;
+    GP_TRY(find_pair(req, s, p, in_double));
+    struct gp_fft_request fft = {
+        .log = req->log, .x = &s->pair[0], .y = &s->pair[1],
+        .in_double = in_double, .channels = 1,
+    };
+    GP_TRY(gp_alloc(req->log, "transform", (size_t) lit, sizeof(int), &light.y));
+    GP_TRY(gp_alloc(req->log, "transform", (size_t) lit, sizeof(int), &place));
     for (int row = p->in.y0; row < p->in.y1; row++) {
         if (src->row[row + 1] > src->row[row]) {
-            light.y[light.n] = row;
-            light.place[light.n++] = row - p->in.y0;
+            light.y[rows.n] = row;
+            place[rows.n++] = row - p->in.y0;
         }
     }
-    GP_TRY(gp_fft_making_open(req, &s->spectrum, p, split, &kernel));
-    GP_TRY(gp_fft_matrix_make_of(
-        req->log, (struct gp_fft_numbers) {.in_double = twice}, 1, p->nx,
-        gp_max(light.n, count), &s->work));
+    rows.place = place;
     for (int c = 0; c < 3; c++) {
-        const struct gp_kernel *const k = req->kernel;
-        const double norm = sqrt(src->energy[c]);
-        const double noise = gp_fft_pixel_error(
-            p, fmin((double) src->brightest * k->norm1[c], norm * k->norm2[c]),
-            fmin(norm * k->norm1[c], src->flux[c] * k->norm2[c]), INFINITY);
-        light.noise[c] = (float) (noise * over_float(split));
+        light.centre[c] = centre_of(req->kernel, c);
+        light.noise[c] = req->kernel->negative ? -INFINITY
+            : (float) noise_of(req, p, &s->norms, in_double, c);
     }
-    if (!req->kernel->negative)
-        GP_TRY(open_reach(req, s, src, &light.reach));
-    const int first = gp_fft_wrap(p->out.y0 - p->in.y0, p->ny);
+    GP_TRY(gp_alloc_zero(req->log, "transform", 3 * (size_t) src->h,
+                         sizeof *light.dropped, &light.dropped));
+    GP_TRY(gp_fft_matrix_make(
+        req->log, (struct gp_fft_numbers) {.in_double = in_double}, 1, p->nx,
+        gp_max(rows.n, count), &s->work));
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
-        struct gp_fft_matrix m = gp_fft_one_channel(&s->work, 0, fft.channel), view;
-        GP_TRY(gp_fft_making_load(&fft, &kernel, &view));
-        GP_TRY(gp_fft_rows_in(&fft, light.n, load_light_row, &light, &m));
-        GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &kernel.passes,
-                               first, count));
+        struct gp_fft_matrix m = gp_fft_one_channel(&s->work, 0, fft.channel);
+        GP_TRY(gp_fft_find_spectrum(req, &fft, p, &s->spectrum));
+        GP_TRY(gp_fft_rows_in(&fft, rows.n, load_light_row, &light, &m));
+        GP_TRY(gp_fft_multiply(&fft, rows, &s->spectrum.m, first, count, &m));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
     gp_parallel_do(src->h - count, store_dark_row, &light);
     if (req->rest)
         req->rest->added = true;
-    gp_fft_matrix_free(&s->work);
-    gp_fft_making_free(&kernel);
-    if (s->spectrum.m.z[0]) {
-        s->spectrum.kernel = req->kernel->serial;
-        s->spectrum.placing = *p;
-        s->spectrum.core = split->core;
-        s->spectrum.in_double = twice;
-    }
+    for (int i = 0; light.dropped && i < 3 * src->h; i++)
+        *dropped += light.dropped[i];
     if (req->params->last)
         gp_fft_matrix_free(&s->spectrum.m);
 out:
     gp_fft_matrix_free(&s->work);
-    gp_fft_making_free(&kernel);
-    gp_fft_reach_free(&light.reach);
     gp_free(light.y);
-    gp_free(light.place);
+    gp_free(light.dropped);
+    gp_free(place);
     return st;
 }
 
-/* Returns the norms of gp_fft_far_norms(), which are found once a kernel. */
-static const double *find_tail_norms(struct fft_state *s,
-                                     const struct gp_kernel *k)
+/* Tests whether the noise of transforms in float would be seen: where the largest
+ * error of a pixel, MOST deviations as they are not spread evenly, is over the
+ * share of the darkest light that may be wrong, or shows near black. */
+static bool is_seen(const struct gp_glare_request *req,
+                    const struct gp_fft_placing *p, const struct fft_state *s)
 {
-    if (!gp_fft_is_of(s->tail_kernel, k)) {
-        gp_fft_far_norms(k, s->tail);
-        s->tail_kernel = k->serial;
+    static const double MOST = 10.0;
+    const struct gp_sources *const src = req->src;
+    const double own = gp_sources_dark(src), gain = (double) req->params->gain;
+    double noise = 0.0, glare = INFINITY;
+    for (int c = 0; c < 3; c++) {
+        noise += (double) src->luminance[c] * gp_fft_noise(p, src, &s->norms, c);
+        if (req->kernel->far && src->flux[c] > 0.0)
+            glare = fmin(glare, src->flux[c] * req->kernel->far->least);
     }
-    return s->tail;
+    double limit = (double) req->params->seen *
+                   (own + (glare < INFINITY ? gain * glare : 0.0));
+    // a frame that is black has no light of its own to hide noise at any EV
+    if (src->visible > 0.0)
+        limit = fmin(limit, src->visible);
+    if (src->hidden > 0.0)
+        limit = fmin(limit, src->hidden);
+    return !(gain * MOST * gp_fft_rounding(false) * noise <= limit);
 }
 
-/* Chooses the split, or double where it is asked for. */
-static void choose_split(const struct gp_glare_request *req,
-    const struct gp_fft_placing *p, const double tail[GP_FFT_CORES],
-    struct gp_fft_split *out)
-{
-    // never by how plans are made: the layer would then depend on it
-    const double ms = gp_fft_passes_ms(req->src, p, GP_FFT_PLAN_MEASURE);
-    gp_fft_split_choose(req->src, req->kernel, tail, (double) p->nx * p->ny, ms,
-                        (double) req->params->gain, out);
-    if (req->params->in_double && !out->in_double)
-        *out = (struct gp_fft_split) {
-            .core = {-1, -1}, .hot = INFINITY, .in_double = true,
-            .ms = (GP_COST_FFT_DOUBLE - 1.0) * ms,
-        };
-}
+/* What is known of a frame before it is transformed. */
+struct frame {
+    struct gp_fft_placing p; // nx is 0 when no light reaches the frame
+    bool in_double;
+};
 
-/* Opens the state, places all sources, and chooses the part of the sum that
- * goes direct; p->nx is 0 when no light reaches the frame. */
-static gp_status place_and_split(const struct gp_glare_request *req,
-    void **state, struct gp_fft_placing *p, struct gp_fft_split *split)
+/* Opens the state, places the sources, and chooses the precision. */
+static gp_status open_frame(const struct gp_glare_request *req, void **state,
+                            struct frame *out)
 {
     const struct gp_kernel *const k = req->kernel;
     const struct gp_sources *const src = req->src;
@@ -313,10 +307,11 @@ static gp_status place_and_split(const struct gp_glare_request *req,
             return st;
     }
     struct fft_state *const s = *state;
-    *split = (struct gp_fft_split) {.core = {-1, -1}, .hot = INFINITY};
-    *p = gp_fft_place(src, k);
-    if (!p->nx)
-        return GP_OK;
+    *out = (struct frame) {.p = gp_fft_place(src, k)};
+    if (!gp_fft_is_of(s->norms_kernel, k)) {
+        s->norms = norms_of(k);
+        s->norms_kernel = k->serial;
+    }
     if (!gp_fft_is_of(s->quarters_kernel, k) || s->quarters_w != src->w ||
         s->quarters_h != src->h) {
         gp_fft_find_quarters(k, src->w, src->h, &s->quarters);
@@ -324,23 +319,23 @@ static gp_status place_and_split(const struct gp_glare_request *req,
         s->quarters_w = src->w;
         s->quarters_h = src->h;
     }
-    choose_split(req, p, find_tail_norms(s, k), split);
+    out->in_double = out->p.nx && (req->params->in_double ||
+                                   is_seen(req, &out->p, s));
     return GP_OK;
 }
 
-/* Adds the bounds of the parts, each relative to its own share of the layer,
- * whose norm is at least `least`. */
+/* Roundings of a sample outside of the transform: to float, of the centre's
+ * light, and of their sum. */
+static const double OUTSIDE = 0x3p-24;
+
+/* Bounds rel_l2, where the layer's norm is at least `least`. */
 static double bound_of(const struct gp_glare_request *req,
-                       const struct gp_fft_placing *p,
-                       const struct gp_fft_split *split, double least)
+    const struct frame *f, const struct fft_state *s, double least)
 {
-    const size_t n = req->src->n;
-    const int direct = (split->core.x >= 0) + (split->hot_count > 0);
-    double sum = direct ? direct * gp_direct_bound(req->kernel, n) : 0.0;
-    if (p->nx && split->hot_count < n)
-        sum += gp_fft_bound(req->src, req->kernel, least, p) *
-               over_float(split);
-    return sum + (split->in_double ? 0x1p-24 : 0.0); // rounded to float once
+    return !f->p.nx ? 0.0
+                    : gp_fft_rounding(f->in_double) *
+                              gp_fft_bound(req->src, &s->norms, least, &f->p) +
+                          OUTSIDE;
 }
 
 /* Bounds by the lower limit of the layer of sources anywhere and, where that is
@@ -349,147 +344,60 @@ static double bound_of(const struct gp_glare_request *req,
 static gp_status bound_fft(const struct gp_glare_request *req, void **state,
                            double *out)
 {
-    struct gp_fft_placing p;
-    struct gp_fft_split split;
+    struct frame f;
     double least;
-    gp_status st = place_and_split(req, state, &p, &split);
+    gp_status st = open_frame(req, state, &f);
     if (st)
         return st;
     struct fft_state *const s = *state;
     const double anywhere = gp_fft_least(req->src, &s->quarters);
-    *out = bound_of(req, &p, &split, anywhere);
+    *out = bound_of(req, &f, s, anywhere);
     if (*out <= (double) req->params->tolerance || req->kernel->negative)
         return GP_OK;
     st = gp_layer_least(req->log, req->src, req->kernel, &least);
     if (!st)
-        *out = bound_of(req, &p, &split, fmax(least, anywhere));
+        *out = bound_of(req, &f, s, fmax(least, anywhere));
     return st;
 }
 
-/* Sums of the sources that are transformed, those under `hot`. */
-struct cool {
-    double flux[3], energy[3], brightest;
-};
-
-static struct cool find_cool(const struct gp_sources *src, float hot)
-{
-    struct cool o = {0};
-    for (size_t i = 0; i < src->n; i++) {
-        const float most = gp_maxf(src->rgb[0][i],
-                                   gp_maxf(src->rgb[1][i], src->rgb[2][i]));
-        if (most >= hot)
-            continue;
-        o.brightest = fmax(o.brightest, (double) most);
-        for (int c = 0; c < 3; c++) {
-            const double v = (double) src->rgb[c][i];
-            o.flux[c] += v;
-            o.energy[c] += v * v;
-        }
-    }
-    return o;
-}
-
-/* Bounds the error of a sample of channel c of the transform, of this light and
- * the kernel without its core: Young's inequality for the layer's largest
- * sample and for its norm. */
-static double cool_error(const struct gp_fft_placing *p,
-                         const struct gp_kernel *k, const struct cool *s, int c,
-                         struct gp_fft_core core)
-{
-    double sum = 0.0, square = 0.0, most = 0.0;
-    for (int y = 0; y < k->h; y++) {
-        const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
-        for (int x = 0; x < k->w; x++) {
-            const double v =
-                abs(x - k->cx) <= core.x && abs(y - k->cy) <= core.y
-                    ? 0.0 : (double) row[x];
-            sum += v;
-            square += v * v;
-            most = fmax(most, v);
-        }
-    }
-    const double norm = sqrt(s->energy[c]), kernel = sqrt(square);
-    return gp_fft_pixel_error(
-        p, fmin(fmin(s->brightest * sum, s->flux[c] * most), norm * kernel),
-        fmin(norm * sum, s->flux[c] * kernel), s->brightest * most);
-}
-
-/* Bounds the pixel error: direct parts by their share, the rest by split.c. */
 static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
                            struct gp_pixel_error *out)
 {
-    struct gp_fft_placing p;
-    struct gp_fft_split split;
-    const size_t n = req->src->n;
-    gp_status st = place_and_split(req, state, &p, &split);
+    struct frame f;
+    gp_status st = open_frame(req, state, &f);
     if (st)
         return st;
-    const int direct = (split.core.x >= 0) + (split.hot_count > 0);
+    struct fft_state *const s = *state;
     *out = (struct gp_pixel_error) {
-        .relative = req->kernel->negative ? INFINITY
-                    : direct ? direct * gp_direct_bound(req->kernel, n)
-                    : split.in_double ? 0x1p-24 : 0.0,
+        .relative = req->kernel->negative ? INFINITY : OUTSIDE,
     };
-    const struct cool cool = find_cool(req->src, split.hot);
-    for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)
-        out->of[c] = cool_error(&p, req->kernel, &cool, c, split.core) *
-                     over_float(&split);
+    for (int c = 0; c < 3 && f.p.nx; c++)
+        out->of[c] = gp_fft_rounding(f.in_double) *
+                         gp_fft_pixel_error(&f.p, req->src, &s->norms, c) +
+                     noise_of(req, &f.p, &s->norms, f.in_double, c);
     return GP_OK;
 }
 
 static gp_status run_fft(const struct gp_glare_request *req, void **state)
 {
-    struct gp_sources hot = {0}, rest = {0};
-    const struct gp_sources *src = req->src;
-    const struct gp_kernel *const k = req->kernel;
-    struct gp_fft_split split;
-    struct gp_fft_placing p;
-    gp_status st = place_and_split(req, state, &p, &split);
+    struct frame f;
+    double dropped = 0.0;
+    const struct gp_sources *const src = req->src;
+    gp_status st = open_frame(req, state, &f);
     if (st)
         return st;
     struct fft_state *const s = *state;
+    const double least = gp_fft_least(src, &s->quarters);
     if (!(req->stats->bound > 0.0))
-        req->stats->bound =
-            bound_of(req, &p, &split, gp_fft_least(src, &s->quarters));
-    if (split.hot_count) {
-        GP_TRY(gp_sources_split(req->log, src, split.hot, &hot, &rest));
-        src = &rest;
-        p = src->n ? gp_fft_place(src, k) : (struct gp_fft_placing) {0};
-    }
-    if (p.nx)
-        GP_TRY(transform(req, s, src, &p, &split));
+        req->stats->bound = bound_of(req, &f, s, least);
+    if (f.p.nx)
+        st = transform(req, s, &f.p, f.in_double, &dropped);
     else
-        gp_planes_clear(req->layer, 0, (size_t) req->src->w *
-                                           (size_t) req->src->h);
-    // add the direct parts: the core for all that was transformed, and hot
-    // sources whole
-    if (!gp_fft_is_of(s->taps_kernel, k)) {
-        gp_taps_free(&s->core_taps);
-        gp_taps_free(&s->all_taps);
-        s->taps_kernel = k->serial;
-    }
-    if (split.core.x >= 0 && src->n) {
-        if (!s->core_taps.k[0] || !gp_fft_same_core(s->core_taps_of, split.core)) {
-            gp_taps_free(&s->core_taps);
-            GP_TRY(gp_taps_cut(req->log, k, split.core.x, split.core.y,
-                               &s->core_taps));
-            s->core_taps_of = split.core;
-        }
-        GP_TRY(gp_direct_sum(req->log, src, &s->core_taps, true, req->layer));
-    }
-    if (hot.n) {
-        if (!s->all_taps.k[0])
-            GP_TRY(gp_taps_make(req->log, k, -1, &s->all_taps));
-        GP_TRY(gp_direct_sum(req->log, &hot, &s->all_taps, true, req->layer));
-    }
-    req->stats->fft_w = p.nx;
-    req->stats->fft_h = p.ny;
-    req->stats->near[0] = split.core.x;
-    req->stats->near[1] = split.core.y;
-    req->stats->in_double = split.in_double;
-out:
-    gp_sources_free(&hot);
-    gp_sources_free(&rest);
+        gp_planes_clear(req->layer, 0, (size_t) src->w * (size_t) src->h);
+    req->stats->bound += dropped > 0.0 ? sqrt(dropped) / least : 0.0;
+    req->stats->fft_w = f.p.nx;
+    req->stats->fft_h = f.p.ny;
+    req->stats->in_double = f.in_double;
     return st;
 }
 

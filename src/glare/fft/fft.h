@@ -1,187 +1,45 @@
-/* Convolution by fast Fourier transforms: FFTW, the passes over rows and
- * columns, and a layer's lower limit. The engine is gp_engine_fft. */
+// SPDX-License-Identifier: Apache-2.0
+/* Convolution by fast Fourier transforms. The engine is gp_engine_fft: fft.c is
+ * its frame, place.c the torus and its bounds, spectrum.c the kernel's spectrum,
+ * pass.c the passes over rows and columns, transform.c the transform. */
 #ifndef GP_GLARE_FFT_FFT_H
 #define GP_GLARE_FFT_FFT_H
 
 #include "core/status.h"
 #include "glare/engine.h"
+#include "glare/fft/pass.h"
 #include "glare/kernel.h"
 #include "glare/sources.h"
 
-#include <fftw3.h>
 #include <stdbool.h>
 #include <stddef.h>
 
-// -- plans.c: FFTW by dlopen; a run without a transform never loads it --------
+// -- place.c ------------------------------------------------------------------
 
-/* The functions of one precision; P is its prefix, real its scalar type. */
-#define GP_FFTW_TABLE(name, P)                                                \
-    struct name {                                                             \
-        P##plan (*plan_dft_1d)(int, P##complex *, P##complex *, int,          \
-                               unsigned);                                     \
-        void (*execute_dft)(const P##plan, P##complex *, P##complex *);       \
-        void (*destroy_plan)(P##plan);                                        \
-        int (*import_wisdom_from_filename)(const char *);                     \
-        int (*import_wisdom_from_string)(const char *);                       \
-        void (*forget_wisdom)(void);                                          \
-        int (*export_wisdom_to_filename)(const char *);                       \
-    }
-GP_FFTW_TABLE(gp_fftwf, fftwf_);  // float
-GP_FFTW_TABLE(gp_fftwd, fftw_);   // double
+/* Returns v modulo n, in [0, n). */
+static inline int gp_fft_wrap(int v, int n)
+{
+    return v % n < 0 ? v % n + n : v % n;
+}
 
-/* The library's functions, loaded at first call. Errors: GP_ERR_IO, with the
- * Debian package that is missing (libfftw3-single3, libfftw3-double3). */
-GP_MUST_CHECK gp_status gp_fftwf_open(const struct gp_log *log,
-                                      const struct gp_fftwf **out);
-GP_MUST_CHECK gp_status gp_fftwd_open(const struct gp_log *log,
-                                      const struct gp_fftwd **out);
+/* Tests whether what has this serial was made for k. */
+static inline bool gp_fft_is_of(unsigned long serial, const struct gp_kernel *k)
+{
+    return serial && serial == k->serial;
+}
 
-/* Plans a transform by estimate, with more flags of FFTW; NULL where it has
- * none. Plans are made and ended by these alone: they hold the planner's lock,
- * for any thread to call. */
-fftw_plan gp_fftwd_plan(const struct gp_fftwd *lib, int n, void *in, void *out,
-                        int sign, unsigned flags);
-void gp_fftwd_end(const struct gp_fftwd *lib, fftw_plan plan); // NULL: nothing
-
-/* Nanoseconds, about, of one complex transform of length n. */
-double gp_fft_cost(int n, enum gp_fft_plan how);
-
-/* The fastest transform length >= n, n >= 1, planned by measuring: a multiple
- * of 8 whose other factors are 3, 5 and 7. */
-int gp_fft_length(int n);
-
-/* The same for the passes below, of plans by estimate and with each point's
- * moves: the length of columns; and that of rows where columns are ny long,
- * `rows` > 0 rows each way, for which a longer row has more columns. */
-int gp_fft_column_length(int n);
-int gp_fft_row_length(int n, int rows, int ny);
-
-/* The plans of one length: out of place, GP_ALIGN-aligned arrays. */
-struct gp_fft_plan_pair {
-    int n;
-    enum gp_fft_plan how;
-    bool in_double;
-    fftwf_plan forward, backward;              // NULL in double
-    fftw_plan forward_double, backward_double; // NULL in float
+/* The places of sources, kernel and outputs on the torus of nx * ny
+ * samples. The smallest on which no wrapped light reaches an output. */
+struct gp_fft_placing {
+    int nx, ny;          // 0 when no light reaches the frame
+    struct gp_rect in;   // box of the sources
+    struct gp_rect out;  // pixels of the frame that light reaches
+    struct gp_rect taps; // offsets from source to pixel that occur
 };
 
-/* Plans for that length. Estimated plans depend on nothing but the length, the
- * library and the CPU, and are those of known.c where FFTW takes them; measured
- * ones may be faster, may differ in the last bits from run to run, and are read
- * from and added to the wisdom file (NULL: kept nowhere).
- * Errors: GP_ERR_BUG. Free with gp_fft_plan_free(). */
-GP_MUST_CHECK gp_status gp_fft_plan_make(const struct gp_log *log, int n,
-    enum gp_fft_plan how, const char *wisdom, struct gp_fft_plan_pair *out);
-
-/* Plans in double, estimated. */
-GP_MUST_CHECK gp_status gp_fft_plan_make_double(const struct gp_log *log, int n,
-    struct gp_fft_plan_pair *out);
-void gp_fft_plan_free(struct gp_fft_plan_pair *p);
-
-// -- pass.c: passes ----------------------------------------------------------
-
-/* The passes of the two-dimensional convolution by Fourier transforms.
- *
- * All transforms are complex, contiguous and out of place, the kind FFTW does
- * fastest (2 to 3 times faster than real or strided ones, measured):
- *
- *   rows     two real rows are one complex row: z = a + ib, so that
- *            A(k) = (Z(k) + conj Z(-k)) / 2, B(k) = (Z(k) - conj Z(-k)) / 2i.
- *            Eight rows at a time go transposed into the matrix, a full cache
- *            line (in double, two) to each column.
- *   columns  one column stays in the first-level cache: forward, times the
- *            kernel's column, backward; rows without light are not stored,
- *            rows that are no output are not kept.
- *   rows     back, eight at a time, two to a transform, into the layer. */
-
-/* Kind and precision of a matrix's numbers. */
-struct gp_fft_numbers {
-    bool real;      // re only: the spectrum of what is even about its centre
-    bool in_double;
-};
-
-/* Columns k = 0 .. nx/2 of a half spectrum, each `pitch` complex numbers. */
-struct gp_fft_matrix {
-    int columns;    // stored: nx / 2 + 1, rounded up to a multiple of 4
-    size_t pitch;   // complex numbers from column to column, multiple of 8
-    float *z[3];    // interleaved re, im; [column * pitch + row]; one block; of
-                    // a matrix in double, its doubles
-    struct gp_fft_numbers of;
-};
-
-/* Makes `channels` planes of such numbers, or of complex ones in float; not
- * cleared. Free with gp_fft_matrix_free(). */
-GP_MUST_CHECK gp_status gp_fft_matrix_make_of(const struct gp_log *log,
-    struct gp_fft_numbers of, int channels, int nx, int rows,
-    struct gp_fft_matrix *out);
-GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
-    int channels, int nx, int rows, struct gp_fft_matrix *out);
-void gp_fft_matrix_free(struct gp_fft_matrix *m);
-
-/* Bytes of one plane, and a matrix of one in memory of the caller, at
- * GP_ALIGN, which is not to be freed. */
-size_t gp_fft_matrix_bytes(struct gp_fft_numbers of, int nx, int rows);
-struct gp_fft_matrix gp_fft_matrix_in(void *memory, struct gp_fft_numbers of,
-                                      int nx, int rows);
-
-/* State that the passes share. */
-struct gp_fft_request {
-    const struct gp_log *log;
-    const struct gp_fft_plan_pair *x, *y;  // lengths nx, ny; as both are, the
-                                           // passes and all their matrices are
-                                           // in float or in double
-    int channel, channels; // the first, and how many
-};
-
-/* Row `j` of channel `c` to z[2 * x], x in [0, nx); z is cleared, and only
- * every other float may be written. */
-typedef void (*gp_fft_load)(const void *ctx, int c, int j, float *z);
-
-/* Transforms `rows` rows into m->z[c][column][j]; factors of 1/2 are left out:
- * the matrix holds twice the spectrum. */
-GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_request *req,
-    int rows, gp_fft_load load, const void *ctx, struct gp_fft_matrix *m);
-
-/* Transforms columns of `rows` rows, row j at place[j] of ny, to
- * whole columns of `out` (pitch >= ny), times `scale`. Places are distinct and
- * ascend from place[0] on, modulo ny. */
-GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_request *req,
-    const struct gp_fft_matrix *m, int rows, const int *place, double scale,
-    struct gp_fft_matrix *out);
-
-/* A kernel's spectrum of one channel (grey) or three, in whole columns of
- * pitch >= ny, scaled so that the passes need no more factors; or the rows that
- * it is made of on the way. */
-struct gp_fft_kernel {
-    int channels;
-    struct gp_fft_matrix spectrum; // made: its planes are written, or, where
-                                   // they are NULL, it is not kept
-    const struct gp_fft_matrix *rows; // of gp_fft_rows_in(), to make it of;
-                                      // NULL: it is there
-    int n;            // rows: row j at place[j] of ny, or, where the spectrum
-    const int *place; // is real, at j, and -j is row j from right to left:
-                      // n <= ny / 2
-    double scale;
-};
-
-/* Forward, times the kernel, backward, each column in place: rows [0, rows)
- * in, as gp_fft_columns() takes them, places first .. first + count (modulo ny)
- * out to rows [0, count). A kernel's spectrum is made for one channel. */
-GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
-    struct gp_fft_matrix *m, int rows, const int *place,
-    const struct gp_fft_kernel *kernel, int first, int count);
-
-/* Row `j` of channel `c` from z[2 * x], x in [0, nx), on a thread of
- * gp_parallel_do(). */
-typedef void (*gp_fft_store)(const void *ctx, int c, int j, int thread,
-                             const float *z);
-
-/* Transforms rows [0, rows) back. */
-GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_request *req,
-    const struct gp_fft_matrix *m, int rows, gp_fft_store store,
-    const void *ctx);
-
-// -- split.c -----------------------------------------------------------------
+/* Places sources (at least one) and a kernel. */
+struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
+                                   const struct gp_kernel *k);
 
 /* The least light that a source adds to a frame, in each channel: one quarter
  * of the kernel, centre included, or of its middle w x h samples when the frame
@@ -198,5 +56,87 @@ void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
  * sum spread evenly. */
 double gp_fft_least(const struct gp_sources *s,
                     const struct gp_fft_quarters *q);
+
+/* What is transformed of a kernel, all but the sample of its centre: sum of
+ * magnitudes, root of the sum of squares, and largest magnitude, by channel. */
+struct gp_fft_norms {
+    double sum[3], norm[3], most[3];
+};
+
+/* 2^-24, or in double 2^-53: half the last place of 1. */
+double gp_fft_rounding(bool in_double);
+
+/* Bounds rel_l2 of transforms of s with k, over gp_fft_rounding(), where the
+ * layer's norm is at least `least`; INFINITY where that is 0.
+ *
+ * Roundings are taken as independent and of mean 0, so that n stages of a
+ * transform add up to sqrt n (Higham and Mary 2019). One is uniform in +-2^-24
+ * of the power of two under its result, whose mantissa m is as likely as 1 / m:
+ * r = 2^-24 sqrt(1 / (8 ln 2)) = 0.425 * 2^-24 of the result in the mean, the
+ * error of a stage that only adds. A butterfly a +- w b rounds w b in its four
+ * products, in their two sums, and in w: 3 r^2 of |b|^2, and then adds: with
+ * |a| = |b| it is within sqrt(3 / 2 + 1) r = 0.672 * 2^-24 of its norm. Both
+ * are rounded up by a tenth. Independent as the errors of the three transforms
+ * are, they are added here as if they were one: the largest that a search for
+ * the worst frame found is 0.56 of the sum, and 0.3 is usual (the suite
+ * adversary). Errors of the two transforms forward are spread
+ * over all frequencies, and meet the other factor's norm; where they lie with
+ * the light, at the lowest, only additions made them. Those, and those of the
+ * transform back, grow with the whole layer, in the frame and beyond it, which
+ * Young's inequality limits. */
+double gp_fft_bound(const struct gp_sources *s, const struct gp_fft_norms *k,
+                    double least, const struct gp_fft_placing *p);
+
+/* Bounds the error of any sample of channel c that transforms of a frame give,
+ * over gp_fft_rounding(), for light and a kernel that are not negative.
+ *
+ *   most  of a sample of the layer on the torus, by Young's inequality
+ *   norm  of the layer there, at most, by it too
+ *   pair  the most that a source adds to a pixel
+ *
+ * Roundings count as independent, uniform and of mean 0, and a stage's have the
+ * deviation STAGE 2^-24 |v| in a node of value v, as for gp_fft_bound(). A
+ * uniform variable is strictly sub-Gaussian (Arbel, Marchal and Nguyen 2020), so
+ * the sum of all stays under t of its deviations, but for a chance of
+ * 2 exp(-t^2 / 2): 4.6e-11 a sample with t = 7, one in 1000 frames of 4K.
+ *
+ * A stage that has folded n samples, nx ny / n apart, into each of its nodes
+ * meets a pixel with nodes of light v and of kernel g: by Parseval the sum of
+ * |v|^2 |g|^2 over a coset's n frequencies is 1 / n times the square of the
+ * circular convolution of both cosets, whose samples are at most n pair. Summed
+ * over cosets, as nothing is negative, that is at most the mean square of the
+ * layer on n samples: at most most^2, norm^2 / n, and n pair most. The kernel's
+ * transform is the same with light and kernel changed; the one back has the
+ * layer's parts in its nodes, and only the first two limits. Two rows that
+ * share a transform have half of its error each: the mean of their own and of
+ * what their light in each other's place would make, which has the same limits.
+ * The product with the kernel is within the sum's term n = 1. */
+double gp_fft_pixel_error(const struct gp_fft_placing *p,
+    const struct gp_sources *s, const struct gp_fft_norms *k, int c);
+
+/* Estimates the deviation of a sample's error in channel c, over
+ * gp_fft_rounding(): what the two transforms there and the one back leave, spread
+ * evenly, the layer's norm being what Young's inequality allows. */
+double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
+                    const struct gp_fft_norms *k, int c);
+
+// -- spectrum.c ---------------------------------------------------------------
+
+/* A kernel's spectrum, kept from frame to frame. The sample of the centre, where
+ * most of a glare's light stays, is left out: it needs no transform. */
+struct gp_fft_spectrum {
+    unsigned long kernel;   // serial
+    struct gp_fft_placing placing;
+    bool in_double;
+    int channel;            // that it is of; -1: of all, or grey
+    struct gp_fft_matrix m; // scaled so that the passes need no more factors
+};
+
+/* Makes *s the spectrum of the request's kernel for channel fft->channel, unless it
+ * is. A coloured kernel's that no later frame takes is made channel by channel in
+ * one plane. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
+    const struct gp_fft_request *fft, const struct gp_fft_placing *p,
+    struct gp_fft_spectrum *s);
 
 #endif

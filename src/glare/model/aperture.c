@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Openings that diffract, and what stains them: the model `aperture`, a lens'
  * iris, and `temporal`, an eye's pupil that shimmers. */
 #include "core/cpu.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Fraunhofer diffraction: from the light that passes a pupil to a shape.
  *
  *   I(q)    = |sum over cells of t exp(2 pi i path / l) exp(-2 pi i q x)|^2
@@ -20,91 +21,58 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
+#include "glare/fft/pass.h"
 #include "glare/model/model_priv.h"
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { MOST_CELLS = 2048, LEAST_CELLS = 512 }; // of a pupil, along a side
 
 // -- from frequencies to the shape --------------------------------------------
-
-enum { GROUP = 4 }; // rows that go through memory together: a cache line
-
-/* A transform, and GROUP arrays in and as many out for each thread. */
-struct transform {
-    const struct gp_fftwd *lib;
-    struct gp_fft_plan_pair plan;
-    double complex *room;
-};
-
-static gp_status transform_make(const struct gp_log *log, int n,
-                                struct transform *out)
-{
-    gp_status st = gp_fftwd_open(log, &out->lib);
-    if (!st)
-        st = gp_fft_plan_make_double(log, n, &out->plan);
-    if (!st)
-        st = gp_alloc_zero(log, "kernel",
-                           2 * GROUP * (size_t) gp_threads() * (size_t) n,
-                           sizeof *out->room, &out->room);
-    return st;
-}
-
-static double complex *array_in(const struct transform *t, int thread, int i)
-{
-    return t->room + (size_t) (2 * GROUP * thread + i) * (size_t) t->plan.n;
-}
-
-static double complex *array_out(const struct transform *t, int thread, int i)
-{
-    return array_in(t, thread, GROUP + i);
-}
-
-/* Transforms the thread's first n arrays. */
-static void run(const struct transform *t, int n, int thread)
-{
-    for (int i = 0; i < n; i++)
-        t->lib->execute_dft(t->plan.forward_double,
-                            (void *) array_in(t, thread, i),
-                            (void *) array_out(t, thread, i));
-}
 
 struct finishing {
     const struct gp_spectra *s;
     int c;
     int first;                    // row of samples: 0, or -ry with a path,
                                   // without which the shape is even
-    const struct transform *t; // of x, of y
-    size_t pitch;                 // GP_LANES columns each block
-    double complex *z;            // [row of samples][column of the spectrum]
+    const struct gp_transform *t; // of x, of y
+    struct gp_fft_matrix m;       // row of samples y is its row y - first
+    char *scratch;                // of a thread: two arrays of points
     double pixel[2], fades;       // degrees; at the second samples are 0
     struct gp_samples *out;
     const float *luminance;       // of the primaries
 };
 
-/* Four columns of the spectrum to rows of samples. */
-static void finish_columns(void *ctx, int group, int thread)
+/* A block of columns of the spectrum to rows of samples. Those are real, so that
+ * they are also the transform back of the conjugate spectrum. */
+static void finish_columns(void *ctx, int block, int thread)
 {
+    enum { LINES = GP_DOUBLE_LINES, POINT = 2 * LINES };
     const struct finishing *const f = ctx;
-    const struct transform *const t = &f->t[1];
-    const size_t first = (size_t) group * GROUP;
-    const int n = t->plan.n;
-    const size_t block = first / GP_LANES * GP_LANES * (size_t) n + first % GP_LANES;
+    const struct gp_transform *const t = &f->t[1];
+    const size_t room = gp_transform_room(t->n) / sizeof(double);
+    double *const z = (double *) (void *) f->scratch + 2 * room * (size_t) thread;
+    const int x = block * LINES, n = t->n;
+    const size_t from = (size_t) (x / GP_LANES * GP_LANES) * (size_t) n +
+                        (size_t) (x % GP_LANES);
     const float *const re = f->s->re[f->c], *const im = f->s->im[f->c];
-    for (int y = 0; y < n; y++) {
-        for (int i = 0; i < GROUP; i++) {
-            const size_t at = block + (size_t) y * GP_LANES + (size_t) i;
-            array_in(t, thread, i)[y] =
-                CMPLX((double) re[at], im ? (double) im[at] : 0.0);
+    for (size_t y = 0; y < (size_t) n; y++) {
+        for (size_t i = 0; i < LINES; i++) {
+            const size_t at = from + y * GP_LANES + i;
+            // re and im exchanged
+            z[y * POINT + i] = im ? -(double) im[at] : 0.0;
+            z[y * POINT + LINES + i] = (double) re[at];
         }
     }
-    run(t, GROUP, thread);
+    const double *const out = gp_double_transform(t, z, z + room);
+    double *const to = (double *) f->m.z[0] + (size_t) block * f->m.pitch * POINT;
     for (int y = f->first; y <= f->out->ry; y++) {
-        double complex *const to =
-            f->z + first + (size_t) (y - f->first) * f->pitch;
-        for (int i = 0; i < GROUP; i++)
-            to[i] = array_out(t, thread, i)[y < 0 ? y + n : y];
+        const double *const row = out + (size_t) (y < 0 ? y + n : y) * POINT;
+        double *const at = to + (size_t) (y - f->first) * POINT;
+        memcpy(at, row + LINES, LINES * sizeof *at);
+        memcpy(at + LINES, row, LINES * sizeof *at);
     }
 }
 
@@ -115,83 +83,74 @@ static double fade(double t, double end)
     return z * z * (3.0 - 2.0 * z);
 }
 
-/* Four rows of samples. */
-static void finish_rows(void *ctx, int group, int thread)
+/* A row of samples, and without a path the one across the centre. */
+static void store_samples(const void *ctx, int c, int j, int thread,
+                          const float *z)
 {
     const struct finishing *const f = ctx;
-    const struct transform *const t = &f->t[0];
-    const int n = t->plan.n, rx = f->out->rx, ry = f->out->ry;
-    const int rows = gp_min(GROUP, ry + 1 - f->first - group * GROUP);
-    const double all = (double) n * f->t[1].plan.n;
-    for (int i = 0; i < rows; i++) {
-        const double complex *const from =
-            f->z + (size_t) (group * GROUP + i) * f->pitch;
-        double complex *const to = array_in(t, thread, i);
-        memcpy(to, from, ((size_t) n / 2 + 1) * sizeof *to);
-        for (int x = n / 2 + 1; x < n; x++)
-            to[x] = conj(from[n - x]);
-    }
-    run(t, rows, thread);
-    for (int i = 0; i < rows; i++) {
-        const double complex *const from = array_out(t, thread, i);
-        const int y = group * GROUP + i + f->first;
-        const double across = gp_sinc((double) y / f->t[1].plan.n);
-        const size_t w = 2 * (size_t) rx + 1;
-        float *const to = f->out->k.c[f->c] + (size_t) (y + ry) * w;
-        float *const other = f->out->k.c[f->c] + (size_t) (ry - y) * w;
-        for (int x = f->first == 0 && y == 0 ? 0 : -rx; x <= rx; x++) {
-            const double at = gp_hypot(f->pixel[0] * x, f->pixel[1] * y);
-            const double window = across * gp_sinc((double) x / n);
-            const double v = creal(from[x < 0 ? x + n : x]) *
-                             fade(at, f->fades) / (all * window * window);
-            to[x + rx] = (float) v;
-            if (f->first == 0)
-                other[rx - x] = (float) v;
-        }
+    const int n = f->t[0].n, rx = f->out->rx, ry = f->out->ry;
+    const double all = (double) n * f->t[1].n;
+    const int y = j + f->first;
+    const double across = gp_sinc((double) y / f->t[1].n);
+    const size_t w = 2 * (size_t) rx + 1;
+    float *const to = f->out->k.c[f->c] + (size_t) (y + ry) * w;
+    float *const other = f->out->k.c[f->c] + (size_t) (ry - y) * w;
+    (void) c;
+    (void) thread;
+    for (int x = f->first == 0 && y == 0 ? 0 : -rx; x <= rx; x++) {
+        const double at = gp_hypot(f->pixel[0] * x, f->pixel[1] * y);
+        const double window = across * gp_sinc((double) x / n);
+        const double v = (double) z[x < 0 ? x + n : x] * fade(at, f->fades) /
+                         (all * window * window);
+        to[x + rx] = (float) v;
+        if (f->first == 0)
+            other[rx - x] = (float) v;
     }
 }
 
-/* Folds a row of samples in. None within the reach is 0: a light's reach without
- * holes is found faster (gp_fft_reach_clear()). */
+/* Folds a row of samples in. */
 static void fold_row(void *ctx, int y, int thread)
 {
-    static const double LEAST = 1e-20; // of all light
     const struct finishing *const f = ctx;
     const size_t w = 2 * (size_t) f->out->rx + 1;
     float *const *const k = f->out->k.c;
     (void) thread;
     for (size_t i = (size_t) y * w; i < (size_t) (y + 1) * w; i++) {
-        double v[3] = {0}, least = 0.0;
-        for (int c = 0; c < f->s->channels; c++) {
+        double v[3] = {0};
+        for (int c = 0; c < f->s->channels; c++)
             v[c] = (double) k[c][i];
-            least = v[c] != 0.0 ? LEAST : least;
-        }
         if (f->s->channels == 3)
             gp_gamut_fold(f->luminance, v);
         for (int c = 0; c < f->s->channels; c++)
-            k[c][i] = (float) fmax(v[c], least);
+            k[c][i] = (float) fmax(v[c], 0.0);
     }
 }
 
 static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
-    const struct transform t[2], const double pixel[2], double fades,
+    const struct gp_transform t[2], const double pixel[2], double fades,
     const float luminance[3], struct gp_samples *out)
 {
     struct finishing f = {
-        .s = s, .t = t, .pixel = {pixel[0], pixel[1]},
-        .fades = fades, .out = out, .pitch = GP_LANES * (size_t) s->blocks,
-        .luminance = luminance, .first = s->im[0] ? -out->ry : 0,
+        .s = s, .t = t, .pixel = {pixel[0], pixel[1]}, .fades = fades,
+        .out = out, .luminance = luminance, .first = s->im[0] ? -out->ry : 0,
+    };
+    const struct gp_fft_request fft = {
+        .log = log, .x = &t[0], .y = &t[1], .in_double = true, .channels = 1,
     };
     const int rows = out->ry + 1 - f.first;
-    gp_status st = gp_alloc(log, "kernel", (size_t) rows,
-                            f.pitch * sizeof *f.z, &f.z);
+    gp_status st = gp_fft_matrix_make(
+        log, (struct gp_fft_numbers) {.in_double = true}, 1, t[0].n, rows, &f.m);
+    if (!st)
+        st = gp_alloc(log, "kernel", 2 * (size_t) gp_threads(),
+                      gp_transform_room(t[1].n), &f.scratch);
     for (f.c = 0; f.c < s->channels && !st; f.c++) {
-        gp_parallel_do((int) (f.pitch / GROUP), finish_columns, &f);
-        gp_parallel_do((rows + GROUP - 1) / GROUP, finish_rows, &f);
+        gp_parallel_do(f.m.blocks, finish_columns, &f);
+        st = gp_fft_rows_out(&fft, &f.m, rows, store_samples, &f);
     }
     if (!st)
         gp_parallel_do(2 * out->ry + 1, fold_row, &f);
-    gp_free(f.z);
+    gp_fft_matrix_free(&f.m);
+    gp_free(f.scratch);
     return st;
 }
 
@@ -617,7 +576,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     int period[2], slices[2], r[2];
     struct gp_pupil p = {0};
     struct gp_spectra s = {0};
-    struct transform t[2] = {{0}, {0}};
+    struct gp_transform t[2] = {{0}, {0}};
     struct gp_shape shape = {0};
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
@@ -642,8 +601,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_TRY(gp_spectra_make(log, d, f, &p, period, pixel, &s));
     GP_FREE(p.t);
     GP_FREE(p.path);
-    for (int i = 0; i < 2; i++)
-        GP_TRY(transform_make(log, period[i], &t[i]));
+    GP_TRY(gp_fft_pair_make(log, period[0], period[1], true, t));
     GP_TRY(gp_samples_shape(log, s.channels, r[0], r[1], &shape));
     const bool sliced = slices[0] > 1 || slices[1] > 1; // nothing goes on
     GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9, f->luminance,
@@ -659,10 +617,7 @@ out:
         shape.free(shape.state);
     gp_free(p.t);
     gp_free(p.path);
-    for (int i = 0; i < 2; i++) {
-        gp_fft_plan_free(&t[i].plan);
-        gp_free(t[i].room);
-    }
+    gp_fft_pair_free(t);
     gp_spectra_free(&s);
     return st;
 }

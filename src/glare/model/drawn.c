@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Models by plain formulas: blurs, halation, discs and rings; and an image, as
  * one of several recipes: a lens' measured or painted picture of a point. */
 #include "core/maths.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Models of the eye: Spencer et al. 1995, and the CIE's of 1999 and 2002. */
 #include "core/memory.h"
 #include "core/minmax.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Kernels of recipes: shapes added up over a field. */
 #include "core/luminance.h"
 #include "core/memory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Models of glare: point-spread functions of eyes and lenses as formulas of the
  * angle, and the kernels that they make for a frame.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the models and their tests. */
 #ifndef GP_GLARE_MODEL_MODEL_PRIV_H
 #define GP_GLARE_MODEL_MODEL_PRIV_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rules of quadrature, and integrals of profiles over the plane. */
 #include "core/maths.h"
 #include "core/memory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shapes of profiles: integrals over pixels of light around a point. */
 #include "core/memory.h"
 #include "core/minmax.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Models of rays: stars, crosses and streaks as bundles of tapered strands. */
 #include "core/cpu.h"
 #include "core/memory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Recipes: MODEL:key=value,key=value and the names of some. */
 #include "core/memory.h"
 #include "glare/model/model_priv.h"

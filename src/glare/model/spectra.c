@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A pupil's autocorrelation by transforms, and a kernel's spectra by it:
  * diffract.c has the formulas.
  *
@@ -9,9 +10,11 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
+#include "glare/fft/pass.h"
 #include "glare/model/model_priv.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 // -- autocorrelation ----------------------------------------------------------
 
@@ -35,43 +38,27 @@ static size_t lag_at(const struct lags *a, int u, int v)
     return row * STRIP + (size_t) (v % STRIP);
 }
 
-/* Plans and scratch, in single precision: off by at most 1e-6 of the light that
- * passes. A pupil without a path is real: two rows go through one transform, and
- * half the columns of the spectrum are all. */
+/* Transforms and scratch, in single precision: off by at most 1e-6 of the light
+ * that passes. The pupil's light has one part, or with a path two, re and im: both
+ * are real pictures. */
 struct correlator {
     const struct gp_pupil *pupil;
-    const struct gp_fftwf *lib;
-    struct gp_fft_plan_pair plan; // of at least twice the pupil's cells, so
-                                  // that no lag meets another
-    size_t pitch;                 // complex numbers of an array of `room`
-    float complex *room;
-    float *boost;                 // of each frequency, squared sincs undone
-    int columns, across;          // of the spectrum; stored, a multiple of 8
-    float complex *z;             // [8 rows, or lags v >= 0][column][row]
-    double nm;                    // wavelength
-    int pack;                     // rows that go through one transform
+    int parts;
+    struct gp_transform t;   // of at least twice the pupil's cells, so that no
+                             // lag meets another
+    struct gp_fft_matrix m;  // the parts' half spectra, and those of the lags
+    float *boost;            // of each frequency, squared sincs undone
+    char *scratch;           // of a thread: two arrays of points each part
+    double nm;               // wavelength
     struct lags *a;
 };
 
-/* Splits the transform of a + ib, a and b real, at frequency k. */
-static inline void unpack(const float complex *z, int n, int k,
-                          float complex *a, float complex *b)
-{
-    const float complex here = z[k], other = z[k ? n - k : 0];
-    *a = CMPLXF(0.5f * (crealf(here) + crealf(other)),
-                0.5f * (cimagf(here) - cimagf(other)));
-    *b = CMPLXF(0.5f * (cimagf(here) + cimagf(other)),
-                0.5f * (crealf(other) - crealf(here)));
-}
-
-enum { GROUP = 8 }; // rows that go through memory together: a cache line
-
 static void correlator_free(struct correlator *t)
 {
-    gp_fft_plan_free(&t->plan);
-    gp_free(t->room);
+    gp_transform_free(&t->t);
+    gp_fft_matrix_free(&t->m);
     gp_free(t->boost);
-    gp_free(t->z);
+    gp_free(t->scratch);
 }
 
 /* For the pupil's autocorrelation in `lags`. */
@@ -79,25 +66,16 @@ static gp_status correlator_make(const struct gp_log *log,
     const struct gp_pupil *p, struct lags *lags, struct correlator *out)
 {
     const int n = gp_fft_length(2 * p->n);
-    // arrays a power of two apart would share the lines of a cache
-    struct correlator t = {
-        .pupil = p, .a = lags, .pitch = (size_t) n + 16,
-        .pack = p->path ? 1 : 2,
-    };
+    struct correlator t = {.pupil = p, .a = lags, .parts = p->path ? 2 : 1};
+    const size_t arrays = 2 * (size_t) t.parts * (size_t) gp_threads();
     gp_status st;
-    GP_TRY(gp_fftwf_open(log, &t.lib));
-    GP_TRY(gp_fft_plan_make(log, n, GP_FFT_PLAN_ESTIMATE, NULL, &t.plan));
-    t.columns = p->path ? n : n / 2 + 1;
-    t.across = (t.columns + GROUP - 1) / GROUP * GROUP;
-    GP_TRY(gp_alloc_zero(log, "kernel",
-                         2 * GROUP * (size_t) gp_threads() * t.pitch,
-                         sizeof *t.room, &t.room));
-    GP_TRY(gp_alloc(log, "kernel", (size_t) p->n + 2 * GROUP,
-                    (size_t) t.across * sizeof *t.z, &t.z));
-    GP_TRY(gp_alloc(log, "kernel", (size_t) n + GROUP, sizeof *t.boost,
-                    &t.boost));
-    for (int k = 0; k < n + GROUP; k++) {
-        const double s = gp_sinc((double) gp_min(k, abs(n - k)) / n);
+    GP_TRY(gp_float_transform_make(log, n, &t.t));
+    GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, t.parts, n,
+                              p->n + 1, &t.m));
+    GP_TRY(gp_alloc(log, "kernel", arrays, gp_transform_room(n), &t.scratch));
+    GP_TRY(gp_alloc(log, "kernel", (size_t) n + 1, sizeof *t.boost, &t.boost));
+    for (int k = 0; k <= n; k++) {
+        const double s = gp_sinc((double) gp_min(k, n - k) / n);
         t.boost[k] = (float) (1.0 / (s * s * s * s));
     }
     *out = t;
@@ -107,37 +85,11 @@ out:
     return st;
 }
 
-static float complex *array_in(const struct correlator *c, int thread, int i)
-{
-    return c->room + (size_t) (2 * GROUP * thread + i) * c->pitch;
-}
-
-/* Rows, or lags v >= 0, from a multiple of GROUP on, of column k. */
-static float complex *rows_at(const struct correlator *c, int row, int k)
-{
-    return c->z + (size_t) row * (size_t) c->across +
-           (size_t) k * GROUP;
-}
-
-static float complex *array_out(const struct correlator *c, int thread, int i)
-{
-    return array_in(c, thread, GROUP + i);
-}
-
-/* Transforms the thread's first n arrays. */
-static void run(const struct correlator *c, fftwf_plan plan, int n,
-                int thread)
-{
-    const struct gp_fftwf *const lib = c->lib;
-    for (int i = 0; i < n; i++)
-        lib->execute_dft(plan, (void *) array_in(c, thread, i),
-                         (void *) array_out(c, thread, i));
-}
-
-/* Amplitudes t of n cells whose paths are so many nm, of `waves` a nm, as re,
+/* Amplitudes t of n cells whose paths are so many nm, of `waves` a nm: re, or
  * im. */
 GP_CLONES static void add_path(const float *restrict t,
-    const float *restrict path, double waves, int n, float *restrict to)
+    const float *restrict path, double waves, bool im, int n,
+    float *restrict to)
 {
     static const double ROUND = 0x1.8p52; // added, leaves whole numbers
     for (int x = 0; x < n; x++) {
@@ -151,141 +103,109 @@ GP_CLONES static void add_path(const float *restrict t,
         const float c = 1.0f + q * (-1.0f / 2 + q * (1.0f / 24 +
             q * (-1.0f / 720 + q * (1.0f / 40320 + q * (-1.0f / 3628800 +
             q * (1.0f / 479001600 - q / 87178291200.0f))))));
-        to[2 * x] = t[x] * (1.0f - 2.0f * s * s);
-        to[2 * x + 1] = t[x] * (2.0f * s * c);
+        to[x] = t[x] * (im ? 2.0f * s * c : 1.0f - 2.0f * s * s);
     }
 }
 
-/* Rows of the pupil, `pack` a transform, to all columns. */
-static void pupil_rows(void *ctx, int group, int thread)
+/* Row j of one part of the light in the pupil. */
+static void load_pupil_row(const void *ctx, int part, int j, float *z)
 {
     const struct correlator *const c = ctx;
     const struct gp_pupil *const p = c->pupil;
-    const int n = c->plan.n, cells = p->n;
-    const int first = group * GROUP * c->pack;
-    for (int i = 0; i < GROUP; i++) {
-        float complex *const to = array_in(c, thread, i);
-        const int y = first + i * c->pack; // cells are a multiple of 8
-        const size_t row = (size_t) y * (size_t) cells;
-        const float *const t = p->t + row;
-        memset(to, 0, (size_t) n * sizeof *to);
-        if (y >= cells)
-            continue;
-        if (c->pack == 1)
-            add_path(t, p->path + row, 1.0 / c->nm, cells, (float *) to);
-        for (int x = 0; x < cells && c->pack == 2; x++)
-            to[x] = CMPLXF(t[x], t[cells + x]);
-    }
-    run(c, c->plan.forward, GROUP, thread);
-    for (int k = 0; k < c->columns; k++) {
-        float complex *const to = rows_at(c, first, k);
-        float complex *const on = rows_at(c, first + GROUP, k); // pack 2
-        for (int i = 0; i < GROUP; i++) {
-            const float complex *const out = array_out(c, thread, i);
-            if (c->pack == 2)
-                unpack(out, n, k, i < GROUP / 2 ? &to[2 * i]
-                                                : &on[2 * i - GROUP],
-                       i < GROUP / 2 ? &to[2 * i + 1] : &on[2 * i + 1 - GROUP]);
-            else
-                to[i] = out[k];
-        }
-    }
-    for (int half = 0; half < c->pack; half++)
-        memset(rows_at(c, first + half * GROUP, c->columns), 0,
-               (size_t) (c->across - c->columns) * GROUP *
-                   sizeof(float complex));
+    const size_t at = (size_t) j * (size_t) p->n;
+    if (c->parts == 2)
+        add_path(p->t + at, p->path + at, 1.0 / c->nm, part == 1, p->n, z);
+    else
+        memcpy(z, p->t + at, (size_t) p->n * sizeof *z);
 }
 
-/* Columns: on to the spectrum, its squares, which are real, and back to lags
- * v >= 0, two columns a transform. */
-static void pupil_columns(void *ctx, int group, int thread)
+/* Squares of the spectrum at frequencies k and -k, of which one part is even,
+ * the other odd, times `boost`: to the spectra of the lags' re and im, their own
+ * re and im exchanged. `a` and `b` have points of the light's parts, which are
+ * overwritten; b is NULL where there is one. */
+GP_CLONES static void square(float *restrict a, float *restrict b,
+                             const float *boost, const float *across, int n)
 {
-    const struct correlator *const c = ctx;
-    const int n = c->plan.n, cells = c->pupil->n, first = group * GROUP;
-    for (int y = 0; y < cells; y += GROUP) {
-        for (int i = 0; i < GROUP; i++)
-            memcpy(array_in(c, thread, i) + y, rows_at(c, y, first + i),
-                   GROUP * sizeof(float complex));
-    }
-    for (int i = 0; i < GROUP; i++)
-        memset(array_in(c, thread, i) + cells, 0,
-               (size_t) (n - cells) * sizeof(float complex));
-    run(c, c->plan.forward, GROUP, thread);
-    for (int i = 0; i < GROUP; i += 2) {
-        const float complex *const a = array_out(c, thread, i);
-        const float complex *const b = array_out(c, thread, i + 1);
-        const float of_a = c->boost[first + i], of_b = c->boost[first + i + 1];
-        float *const to = (float *) array_in(c, thread, i / 2);
-        for (int k = 0; k < n; k++) {
-            to[2 * k] = c->boost[k] * of_a * (crealf(a[k]) * crealf(a[k]) +
-                                              cimagf(a[k]) * cimagf(a[k]));
-            to[2 * k + 1] = c->boost[k] * of_b * (crealf(b[k]) * crealf(b[k]) +
-                                                  cimagf(b[k]) * cimagf(b[k]));
+    enum { LANES = GP_FLOAT_LINES };
+    for (int k = 0; k < n; k++, a += 2 * LANES) {
+        for (int i = 0; i < LANES; i++) {
+            const float by = boost[k] * across[i];
+            if (!b) {
+                a[LANES + i] = by * (a[i] * a[i] +
+                                     a[LANES + i] * a[LANES + i]);
+                a[i] = 0.0f;
+                continue;
+            }
+            const float re = a[i] - b[LANES + i], im = a[LANES + i] + b[i];
+            const float re2 = a[i] + b[LANES + i], im2 = b[i] - a[LANES + i];
+            const float here = by * (re * re + im * im);
+            const float there = by * (re2 * re2 + im2 * im2);
+            a[i] = b[LANES + i] = 0.0f;
+            a[LANES + i] = here + there;
+            b[i] = there - here; // times -i
         }
+        b = b ? b + 2 * LANES : NULL;
     }
-    run(c, c->plan.backward, GROUP / 2, thread);
-    for (int v = 0; v < cells + 2 * GROUP; v += GROUP) {
-        for (int i = 0; i < GROUP; i += 2) {
-            float complex *const to = rows_at(c, v, first + i);
-            for (int r = 0; r < GROUP; r++)
-                unpack(array_out(c, thread, i / 2), n, v + r, &to[r],
-                       &to[GROUP + r]);
+}
+
+/* A block of columns of the light's spectra to those of the lags v in [0, n]. */
+static void correlate_columns(void *ctx, int block, int thread)
+{
+    enum { POINT = 2 * GP_FLOAT_LINES };
+    const struct correlator *const c = ctx;
+    const int n = c->t.n, cells = c->pupil->n;
+    const size_t room = gp_transform_room(n) / sizeof(float);
+    float *const scratch =
+        (float *) (void *) c->scratch + 2 * (size_t) c->parts * room * (size_t) thread;
+    float *part[2] = {NULL, NULL}, *rows[2];
+    for (int i = 0; i < c->parts; i++) {
+        float *const in = scratch + 2 * room * (size_t) i;
+        rows[i] = (float *) c->m.z[i] + (size_t) block * c->m.pitch * POINT;
+        memcpy(in, rows[i], (size_t) cells * GP_POINT_BYTES);
+        memset(in + (size_t) cells * POINT, 0,
+               (size_t) (n - cells) * GP_POINT_BYTES);
+        part[i] = gp_float_transform(&c->t, in, in + room);
+    }
+    square(part[0], part[1], c->boost, c->boost + block * GP_FLOAT_LINES, n);
+    for (int i = 0; i < c->parts; i++) {
+        float *const in = scratch + 2 * room * (size_t) i;
+        const float *const out = gp_float_transform(
+            &c->t, part[i], part[i] == in ? in + room : in);
+        for (int v = 0; v <= cells; v++) {
+            for (int l = 0; l < POINT; l++)
+                rows[i][v * POINT + l] =
+                    out[v * POINT + (l + GP_FLOAT_LINES) % POINT];
         }
     }
 }
 
-/* Lags v, `pack` a transform, to all lags u. */
-static void pupil_lags(void *ctx, int group, int thread)
+/* Lags (u, v) of one part. */
+static void store_lags(const void *ctx, int part, int v, int thread,
+                       const float *z)
 {
     const struct correlator *const c = ctx;
-    struct lags *const a = c->a;
-    const int n = c->plan.n, first = group * GROUP * c->pack;
-    for (int k = 0; k < c->columns; k++) {
-        const float complex *const z = rows_at(c, first, k);
-        const float complex *const on = rows_at(c, first + GROUP, k); // pack 2
-        for (int i = 0; i < GROUP; i++) {
-            float complex *const in = array_in(c, thread, i);
-            if (c->pack == 1) {
-                in[k] = z[i];
-                continue;
-            }
-            const float complex *const at =
-                i < GROUP / 2 ? z + 2 * i : on + 2 * i - GROUP;
-            const float complex x = at[0], y = at[1];
-            in[k] = CMPLXF(crealf(x) - cimagf(y), cimagf(x) + crealf(y));
-            if (k > 0) // a real row's half is conjugate
-                in[n - k] = CMPLXF(crealf(x) + cimagf(y),
-                                   crealf(y) - cimagf(x));
-        }
-    }
-    run(c, c->plan.backward, GROUP, thread);
-    const int rows = gp_min(GROUP, (a->n - first) / c->pack + 1);
-    for (int u = -a->n; u <= a->n; u++) {
-        const size_t at = lag_at(a, u, first), from = (size_t) (u < 0 ? u + n
-                                                                         : u);
-        for (int i = 0; i < rows; i++) {
-            const float complex v = array_out(c, thread, i)[from];
-            if (c->pack == 1) {
-                a->re[at + (size_t) i] = crealf(v);
-                a->im[at + (size_t) i] = cimagf(v);
-                continue;
-            }
-            a->re[at + 2 * (size_t) i] = crealf(v);
-            a->re[at + 2 * (size_t) i + 1] = cimagf(v);
-        }
-    }
-    if (group == 0)
-        a->sum = (double) crealf(array_out(c, thread, 0)[0]);
+    const struct lags *const a = c->a;
+    float *const to = part ? a->im : a->re;
+    (void) thread;
+    for (int u = -a->n; u <= a->n; u++)
+        to[lag_at(a, u, v)] = z[u < 0 ? u + c->t.n : u];
 }
 
 /* Fills the lags but `n` at one wavelength. */
-static void correlate(struct correlator *t, double nm)
+static gp_status correlate(const struct gp_log *log, struct correlator *c,
+                           double nm)
 {
-    const int cells = t->pupil->n, rows = GROUP * t->pack;
-    t->nm = nm;
-    gp_parallel_do((cells + rows - 1) / rows, pupil_rows, t);
-    gp_parallel_do(t->across / GROUP, pupil_columns, t);
-    gp_parallel_do(cells / rows + 1, pupil_lags, t);
+    const struct gp_fft_request fft = {
+        .log = log, .x = &c->t, .y = &c->t, .channels = c->parts,
+    };
+    c->nm = nm;
+    gp_status st = gp_fft_rows_in(&fft, c->pupil->n, load_pupil_row, c, &c->m);
+    if (st)
+        return st;
+    gp_parallel_do(c->m.blocks, correlate_columns, c);
+    st = gp_fft_rows_out(&fft, &c->m, c->pupil->n + 1, store_lags, c);
+    c->a->sum = (double) c->a->re[lag_at(c->a, 0, 0)];
+    return st;
 }
 
 // -- from lags to frequencies -------------------------------------------------
@@ -587,7 +507,7 @@ gp_status gp_spectra_make(const struct gp_log *log,
         bands_free(band, n);
         n = p->path ? 1 : gp_min(bands - i, MOST_BANDS);
         if (i == 0 || p->path)
-            correlate(&t, nm[i]);
+            GP_TRY(correlate(log, &t, nm[i]));
         if (!(a.sum > 0.0)) {
             st = gp_fail(log, GP_ERR_DATA, "%s: no light passes the pupil; "
                          "make its openings larger", d->name);

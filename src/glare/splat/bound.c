@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Bounds the error of a splat layer before anything is drawn. Its parts:
  *
  *   grouping   the kernel, spread over sources less polygons, by a transform in
@@ -150,28 +151,24 @@ out:
     return st;
 }
 
-/* Bounds the norm of the kernel spread over the residue, in the frame. Without
- * a transform by Young's inequality. */
+/* Bounds the norm of the kernel spread over the residue, in the frame. */
 static gp_status find_grouping(const struct gp_log *log,
     const struct residue *r, const struct gp_sources *src,
     const struct gp_kernel *kernel, const struct gp_blur *drawn,
     const struct gp_polygons *polygons, double norm[3])
 {
     gp_status st = GP_OK;
-    const struct gp_fftwd *lib;
     struct gp_kernel k = *kernel;
     struct gp_planes layer = {0};
     const size_t w = (size_t) r->w + 2 * (size_t) r->pad;
     const size_t n = w * ((size_t) r->h + 2 * (size_t) r->pad);
-    const bool transforms = !gp_fftwd_open(NULL, &lib);
     k.k = drawn->k;
     k.unturned = NULL;
     k.far = NULL;
     k.lit = NULL;
     k.serial = 0; // no engine keeps what it makes of it
     k.negative = true; // as its light is: nothing is made black
-    if (transforms)
-        GP_TRY(spread(log, r, src, &k, &layer));
+    GP_TRY(spread(log, r, src, &k, &layer));
     for (int c = 0; c < 3; c++) {
         double d = 0.0, sum = 0.0, sizes = 0.0; // squares
         for (size_t i = 0; i < n; i++)
@@ -179,7 +176,7 @@ static gp_status find_grouping(const struct gp_log *log,
         for (size_t i = 0; i < polygons->n; i++)
             sizes += (double) polygons->at[i].rgb[c] *
                      (double) polygons->at[i].rgb[c];
-        for (int y = r->pad; transforms && y < r->h + r->pad; y++) {
+        for (int y = r->pad; y < r->h + r->pad; y++) {
             for (size_t i = (size_t) y * w + (size_t) r->pad;
                  i < (size_t) (y + 1) * w - (size_t) r->pad; i++)
                 sum += (double) layer.c[c][i] * (double) layer.c[c][i];
@@ -187,8 +184,7 @@ static gp_status find_grouping(const struct gp_log *log,
         // the layer is rounded to float once; a transform in double adds little.
         // A pixel of the residue takes a few roundings of its cell's light
         const double young = kernel->norm1[c] * sqrt(d);
-        norm[c] =
-            transforms ? (1.0 + 0x1p-23) * sqrt(sum) + 0x1p-40 * young : young;
+        norm[c] = (1.0 + 0x1p-23) * sqrt(sum) + 0x1p-40 * young;
         norm[c] += d > 0.0 ? 0x1p-21 * kernel->norm1[c] * sqrt(sizes) : 0.0;
     }
 out:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Polygons on GL, blended: quads over the sensors of a grid
  * (Ando et al. 2007, sections 3 and 4).
  *

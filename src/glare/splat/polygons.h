@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Polygons: groups of sources that share one drawn kernel (Ando et al. 2007,
  * section 4), on the CPU. The splat engine draws them, its bound uses them, and
  * GL makes the same ones by group.frag.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Splat, the glare stage on GL: Ando et al., "Real-time rendering of high
  * quality glare images using vertex texture fetch on GPU" (2007).
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The splat engine's parts, from the bottom up:
  *   draw.c   programs, kernels, sensors and groups on GL; polygons as blended
  *            quads

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Polygons gathered per tile. The frame is cut into fields, a field into
  * tiles; a batch lists the polygons that reach each tile, and one fragment pass
  * over the field walks it (shaders/tile.frag), once for each blur.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Chooses the part of an EXR that is the frame, and its colour channels. */
 #include "io/exr/exr_priv.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Decodes the chunks of one part of an EXR: flat ones in parallel, straight
  * into planes, and those of deep data.
  *

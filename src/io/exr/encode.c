@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The chunks of a file that is written, and its offset tables (openexr file
  * layout, "Chunk Layout"): planes and carried channels as chunks of scanlines,
  * or those of another file as they are.

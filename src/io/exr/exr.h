@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/exr: EXR files in and out, by OpenEXRCore.
  *
  * In: open.c (checks the bytes of the header before the library sees them),

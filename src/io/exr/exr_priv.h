@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the files of io/exr: nothing here is for other folders. */
 #ifndef GP_IO_EXR_EXR_PRIV_H
 #define GP_IO_EXR_EXR_PRIV_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Writes the headers of an EXR file (openexr file layout, "Header"). */
 #include "io/exr/exr_priv.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/exr/exr_priv.h"
 
 #include "core/cpu.h"

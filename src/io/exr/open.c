@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Opens an EXR: its header's bytes, the library's context, its end. */
 #include "io/exr/exr_priv.h"
 

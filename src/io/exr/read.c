@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A part of an EXR as a frame, and further layers of the same file. */
 #include "io/exr/exr_priv.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Writes one EXR file: its parts, their channels and samples, by header.c and
  * encode.c. */
 #include "io/exr/exr_priv.h"

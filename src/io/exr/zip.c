@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The bytes of ZIP, ZIPS and RLE chunks: for libdeflate, which OpenEXRCore has
  * from 3.2 on. Then this file can go. */
 #include "io/exr/exr_priv.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Starts, limits and asks the helper; see io/oiio/oiio.h and protocol.h. */
 #include "io/oiio/oiio.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // glarepp-oiio: reads and writes with OpenImageIO for glarepp, which starts it
 // with a socket as stdin. A damaged file that crashes its reader ends this
 // process only. See io/oiio/protocol.h.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Formats that io has no reader or writer for, by OpenImageIO.
  *
  * OpenImageIO runs in a helper program, glarepp-oiio: its libraries cost 200 ms

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The messages between glarepp and its helper program glarepp-oiio.
  *
  * A socket between the two carries, in either direction, a fixed struct and

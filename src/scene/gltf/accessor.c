@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Numbers from buffers: every component type, strides, normalised integers,
  * sparse replacements (specification, 3.6.2). */
 #include "scene/gltf/gltf_priv.h"

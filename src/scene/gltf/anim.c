@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Keys of nodes (specification, 3.11 and appendix C), and places at a time. */
 #include "scene/gltf/gltf_priv.h"
 

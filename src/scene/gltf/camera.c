@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The scene's cameras beside the frame's: names, projection, comparison, and
  * the axis that points up. */
 #include "scene/bounds.h"

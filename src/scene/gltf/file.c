@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The file: chunks of a .glb, JSON, data URIs, the file beside. */
 #include "scene/gltf/gltf_priv.h"
 

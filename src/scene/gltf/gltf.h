@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Reads a glTF 2.0 scene, and poses it at a time. */
 #ifndef GP_SCENE_GLTF_GLTF_H
 #define GP_SCENE_GLTF_GLTF_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A glTF 2.0 file that is being read: JSON, buffers, and how much of memory its
  * content may still take. Only the reader sees it. Numbers of items start at
  * 0, as in the file. Source: glTF 2.0 specification (Khronos, 2021). */

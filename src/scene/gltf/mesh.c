@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Materials, as far as they hide or take light, and triangles. */
 #include "scene/gltf/gltf_priv.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Nodes, lights and cameras; the scene as a whole. */
 #include "scene/gltf/gltf_priv.h"
 

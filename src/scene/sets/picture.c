@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/minmax.h"
 #include "scene/bounds.h"
 #include "scene/sets/sets.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The sets of a frame and of its lights, by flags on objects, and what they are
  * found by: convex volumes (15.4.4), and the frame's depth by tiles (15.5). */
 #include "scene/sets/sets_priv.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* O'Rorke, "Managing visibility for per-pixel lighting", GPU Gems chapter 15:
  * which objects matter to a frame and to each of its lights, the paper's
  * renderer, and its Table 15-1.

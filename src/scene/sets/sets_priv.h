@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the files of scene/sets and their tests, and private to them:
  * planes, umbras, the renderer. */
 #ifndef GP_SCENE_SETS_PRIV_H

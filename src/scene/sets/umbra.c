@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Convex bodies of meshes, and the umbras they throw. */
 #include "scene/sets/sets_priv.h"
 

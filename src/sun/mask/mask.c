@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Maughan's texture masking on GL, and the paper's other method: drawing,
  * reading back, and the plain form on the CPU. */
 #include "sun/mask/mask_priv.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Maughan's texture masking (Game Programming Gems 3, 5.5), from a frame's
  * depth and coverage instead of its geometry; and the way that it was measured
  * against, reading the region under a light back.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The plain form, for tests. */
 #ifndef GP_SUN_MASK_MASK_PRIV_H
 #define GP_SUN_MASK_MASK_PRIV_H

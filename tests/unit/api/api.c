@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glarepp.h: what its contracts say, seen from outside. */
 #include "unit.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glarepp_compare(): contracts; its figures are tested in unit/compare. */
 #include "unit.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Two contexts in two threads, each through all parts of the library at once:
  * the same bytes, and for ThreadSanitizer no race. */
 #include "folder.h"

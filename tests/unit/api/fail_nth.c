@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Memory that is full, a file that cannot be read, or a GL that refuses, twice
  * for each path of callers, through whole runs of the library: the documented
  * status and one message, or the same picture; no block lost. */

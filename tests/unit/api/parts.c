@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Kernels, lenses and sets without a plan: contracts; figures are tested in the
  * rooms. */
 #include "unit.h"

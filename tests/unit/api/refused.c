@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* What the library refuses, and by which name; what a step needs. */
 #include "unit.h"
 

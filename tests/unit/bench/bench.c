@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* bench: the Pareto front, parts of a frame, options, files. */
 #include "unit.h"
 #include "bench/bench_priv.h"

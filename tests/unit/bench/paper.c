@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* bench/paper.c: the synthetic frames are what they say they are, and the same
  * bytes everywhere. */
 #include "unit.h"

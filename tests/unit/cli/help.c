@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/options, cli/help: the one table, and the help made from it. */
 #include "unit.h"
 #include "cli/option_line.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/hints: words for each parameter that a message of the library names. */
 #include "unit.h"
 #include "cli/listener.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/jobs: which inputs and outputs go together, which frames are left to
  * make; views as files, or as parts of one file. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/machine.c: limits of control groups, in trees made here. */
 #include "unit.h"
 #include "cli/machine.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Command lines as text, parsed, and their messages. */
 #ifndef GP_TESTS_OPTION_LINE_H
 #define GP_TESTS_OPTION_LINE_H

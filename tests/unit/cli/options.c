@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/options: what right lines set, and the messages of wrong ones; what the
  * library gets of them. */
 #include "unit.h"

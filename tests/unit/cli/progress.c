@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/progress: the line on the terminal, and which frames failed, as a list
  * that --frames takes. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/report: what a run says about itself. */
 #include "unit.h"
 #include "cli/report.h"

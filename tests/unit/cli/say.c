@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/say: words about a run, on a terminal and of --verbose. */
 #include "unit.h"
 #include "cli/option_line.h"

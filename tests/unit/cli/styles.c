@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* cli/styles: rows that the option table takes, what a style sets and what a
  * user's options keep, and how much glare it is by the standard. */
 #include "unit.h"

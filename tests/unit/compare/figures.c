@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* compare/figures.c: figures against sums written out, equal
  * values that are not numbers, windows, names, whole numbers. */
 #include "unit.h"

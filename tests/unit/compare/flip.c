@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* compare/flip.c: against a form of the papers in double with plain
  * two-dimensional filters (numpy and scipy), and by law. */
 #include "unit.h"

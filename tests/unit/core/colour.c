@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* core/colour.c against the numbers that standards print. */
 #include "unit.h"
 #include "core/colour.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* core/json: files read strictly, and what their errors say. */
 #include "unit.h"
 #include "json_file.h"

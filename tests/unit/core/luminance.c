@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* core/luminance.c: means, percentiles against sorting, and the peak. */
 #include "unit.h"
 #include "core/luminance.h"

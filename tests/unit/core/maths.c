@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Own elementary functions: their largest errors against the C library's in long
  * double, and their bits. */
 #include "unit.h"

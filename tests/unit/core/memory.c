@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* core/memory: sizes that overflow, alignment, and large blocks
  * that stay from frame to frame without adding to what was in use. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Parallel loops: each i once, the lowest failure, loops of several threads at
  * once, and never more threads at work than there may be. */
 #include "unit.h"

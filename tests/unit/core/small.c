@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* core's small files: messages, JSON's text, the program's other files,
  * planes. */
 #include "unit.h"

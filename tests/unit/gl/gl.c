@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* gl: contexts open, fail with words, live side by side; textures come back
  * bit for bit; what is too large or wrong is named; shaders' messages point at
  * their files; a draw sees what its list held. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* gl with libraries and drivers that refuse: each call that can fail does so
  * once, with one line that says which, and nothing stays open. The libraries
  * are tests/faults/broken_gl.c and broken_egl.c. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* gl in space: depth is tested, kept and read back; faces are left out;
  * matrices and vertices from a buffer arrive; fragments are counted. */
 #include "unit.h"

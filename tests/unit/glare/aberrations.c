@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/model/aperture.c: Zernike's polynomials and the stars they make. */
 #include "unit.h"
 #include "glare/model/model_priv.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/splat/blur.c: the kernel blurred by boxes, against the plain sum, and how
  * far polygons reach. */
 #include "unit.h"

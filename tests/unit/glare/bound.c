@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Bounds of splat and of the least layer: what is measured is never over the
  * bound, and the bound is not far over it. Random frames, kernels and settings;
  * the layer of the polygons and the exact one both in double. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* gp_compose(): both mixes, empty layers, energy, threads. */
 #include "unit.h"
 #include "glare_scene.h"

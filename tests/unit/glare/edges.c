@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/edges.c: the picture goes on beyond its border. */
 #include "unit.h"
 #include "core/luminance.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* All engines: bounds, names, the laws of a convolution. GLAREPP_TEST_QUICK
  * leaves out GL and large cases. The table of hard cases is in tests/hard. */
 #include "unit.h"

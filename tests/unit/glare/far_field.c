@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/far_field against the plain double sum, its laws, and its bound. */
 #include "unit.h"
 #include "core/minmax.h"

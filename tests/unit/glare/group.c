@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/splat/group.c: formula (1), clusters, blurs; and that what is drawn of
  * a group is what was meant. */
 #include "unit.h"

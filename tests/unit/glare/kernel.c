@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Kernels from images: centre, cutting, normalisation, rotation (the identity
  * that engines rely on, right angles), bad images. */
 #include "unit.h"

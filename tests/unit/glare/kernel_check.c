@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/kernel_check.c: each rule has kernels that break it, and only it. */
 #include "unit.h"
 #include "core/memory.h"

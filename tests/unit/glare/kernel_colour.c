@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Kernels from images in the primaries of the frames that they are for. */
 #include "unit.h"
 #include "core/colour.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/model: recipes, quadrature, and laws that hold for each model. */
 #include "unit.h"
 #include "core/colour.h"

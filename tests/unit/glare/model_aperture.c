@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/model/aperture.c and diffract.c against published values and
  * closed forms. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/model/eye.c against published values. */
 #include "unit.h"
 #include "core/colour.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/model at any pixel: as wide as the sky, or finer than the shape. */
 #include "unit.h"
 #include "glare/model/model_priv.h"

@@ -1,6 +1,7 @@
-/* glare/bound/bound.c, fft/reach.c: what every single pixel of a layer keeps. */
+// SPDX-License-Identifier: Apache-2.0
+/* glare/bound/bound.c, fft/fft.c: what every single pixel of a layer keeps. */
 #include "unit.h"
-#include "glare/fft/fft_priv.h"
+#include "glare/fft/fft.h"
 #include "glare/glare_priv.h"
 #include "glare_scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The layer of polygons in double: the plain form of every way to draw them,
  * and the CPU twin of the splat engine's shaders. */
 #ifndef GP_TESTS_PLAIN_GROUPS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The planner: which engine, the tolerances, and that no frame before decides. */
 #include "unit.h"
 #include "core/parallel.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* glare/reference.c: the truth itself, against sums gathered pixel by pixel. */
 #include "unit.h"
 #include "glare/direct/direct.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Every form of drawing groups and clusters against the plain form in double,
  * and against each other. */
 #include "unit.h"

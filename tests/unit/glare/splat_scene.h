@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The splat engine on made-up scenes, against the plain sum in double. */
 #ifndef GP_TESTS_SPLAT_SCENE_H
 #define GP_TESTS_SPLAT_SCENE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/channels: depth, colour and ids by names; samples at full resolution. */
 #include "unit.h"
 #include "io/frame.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/decoded: pictures of other formats than EXR, made frames; portable float
  * maps, which io reads itself. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/exr/open.c: the bytes of a header are bounded and indexed, a
  * value that is none of its type is refused whatever its name and part, nothing
  * that OpenEXR reads is; and where a file ends inside a longer stream. */

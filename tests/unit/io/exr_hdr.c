@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* EXR out of an input: the attributes that a header gets, and those of every
  * kind and the other parts that --hdr carries, byte by byte. Inputs are made
  * here, with parts that no library of this program could write. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/read of EXR: every layout that the library can write. */
 #include "unit.h"
 #include "core/colour.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/read of EXR: every lie that a file can tell ends with one error line. */
 #include "unit.h"
 #include "core/cpu.h"

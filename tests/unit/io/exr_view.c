@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/exr/choose.c, io/plane: views, layers and ids
  * that attributes and names of parts tell of. */
 #include "unit.h"

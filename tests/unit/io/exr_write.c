@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* EXR out: every compression and type, colour models, what is carried; where
  * half or a lossy compression cannot hold what is there, and ids. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Memory that is full, a read or a write that fails, at the first call, the
  * second, and so on until a whole run is done without a fault. Each time: the
  * documented status, one line, nothing in the outputs, no block lost and no file

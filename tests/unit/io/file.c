@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Output files: whole under their final name, or not there at all, also where
  * the system says no. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/grow: windows that grow, and what is in their new pixels. */
 #include "io/grow.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* core/half: every half, and every place where rounding could go wrong. */
 #include "unit.h"
 #include "core/bytes.h"

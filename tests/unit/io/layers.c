@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The layer, part and view of a file that is the frame: every way of naming
  * one, and the lines for names that do not exist. */
 #include "unit.h"

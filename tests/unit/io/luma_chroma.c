@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/luma_chroma: laws; test_data compares it with OpenEXR's own results. */
 #include "unit.h"
 #include "core/colour.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io: the side of glarepp that asks the helper, against helpers that end, hang
  * and lie; and what the real one may not do. */
 #include "unit.h"

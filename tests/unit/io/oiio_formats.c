@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io: formats other than EXR and PNG, in and out, by the helper: what comes
  * back is what was written, and what is cut off, damaged or lies is one line.
  * Skipped without the helper. */

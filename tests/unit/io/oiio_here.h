@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* OpenImageIO by its helper program, for tests. */
 #ifndef OIIO_HERE_H
 #define OIIO_HERE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/picture: display windows that are none, alpha, codes, and the laws of the
  * dither. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shared by the tests of io/plane: a file with parts, and a check of a plane
  * against the fixture's formula. */
 #ifndef PLANE_FIXTURE_H

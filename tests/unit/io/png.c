@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* PNG out: pixels, windows, alpha, colour chunks. */
 #include "unit.h"
 #include "write_fixture.h"

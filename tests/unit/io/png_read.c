@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* PNG in: every kind of pixel, chunks, damaged files. */
 #include "unit.h"
 #include "write_fixture.h"

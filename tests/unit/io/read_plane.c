@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/plane: depth and coverage beside a frame, from any part, and from files
  * of their own; matrices. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/sequence: patterns, lists of frames, and what is on disk. */
 #include "unit.h"
 #include "io/sequence.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io/stored: every channel as stored, and which of them are light. */
 #include "bridge_here.h"
 #include "exr_fixture.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* io: pipes up to their limit, first bytes; pictures to stdout one after the
  * other, and such streams read back. */
 #include "unit.h"

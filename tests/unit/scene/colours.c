@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Albedo of materials from a frame's pixels. */
 #include "scene/relight_priv.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The paper's renderer: batches are counted as 15.2.1 counts them; surfaces have
  * the distance and the light that rays and formula give. */
 #include "unit.h"

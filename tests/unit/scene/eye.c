@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Shares of discs by rays against closed forms, and laws of them. */
 #include "scene/eye.h"
 

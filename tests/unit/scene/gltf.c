@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The glTF reader: what is placed where, every form of numbers, and files that
  * are wrong. */
 #include "fail.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The data's scenes: what Blender and another writer made. Their folder is
  * data_path()'s; without it these tests skip. */
 #include "core/memory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The glTF reader: cut-outs, their coordinates, and glass. */
 #include "gltf_made.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rays through objects beside a test of every triangle in the world: moved,
  * sheared, mirrored, flat and far away ones. */
 #include "scene/rays.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Light of a scene on a frame's surfaces: that of the formula, shadows of what is
  * above them and off the picture, at any number of threads. */
 #include "unit.h"

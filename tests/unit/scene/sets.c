@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Sets against rays, and by the paper's figures.
  *
  *   build/tests/scene sets --time    times all sets of 10,000 objects and 100

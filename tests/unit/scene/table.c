@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Table 15-1: each row draws the same picture with no more batches than the row
  * before, and those that its sets say. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* core/camera, sun/lights: matrices by hand, places and discs under them;
  * cameras from JSON, and against the data folder's frames and their headers.
  * The folder is data_path()'s; without it those tests skip. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* element: closed forms keep their light at every size, and lights change them
  * as the JSON says. */
 #include "scene.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* sun/exact: the area of a disc in a pixel by columns, and the share in every
  * place that a light may have, against what it must be and against pixel after
  * pixel. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* flare: files are read strictly; totals, places and edges hold. */
 #include "scene.h"
 #include "json_file.h"

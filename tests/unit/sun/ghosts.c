@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* ghosts: sources scale about the centre, and runs equal the sum over sources
  * of each one's element. */
 #include "scene.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* lens: prescriptions are read strictly; first order agrees with traced rays,
  * and light with closed forms; no more light leaves than enters. */
 #include "json_file.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* lens_draw: ghosts in a layer hold the light of closed forms, at every size of
  * the frame; what is left out is counted; threads change nothing. */
 #include "core/colour.h"

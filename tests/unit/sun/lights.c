@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* sun/lights: lights from JSON, and their places in a frame. */
 #include "unit.h"
 #include "core/memory.h"

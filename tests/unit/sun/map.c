@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* sun/map: GL's sun maps equal the reference texel by texel, their sums in
  * each form are what it says they are, and what cannot be drawn is refused.
  * (Shares by each method against plain forms: tests/hard/sun.c.) */

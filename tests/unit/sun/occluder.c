@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* sun/occluder: what a depth sample means by type and background, and the
  * share that a pixel shows with either plane or both. */
 #include "scene.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Planes, lights, frames of random depth and coverage, and contexts, for tests
  * of the lights' shares; elements and pictures for those of flare. */
 #ifndef GP_TESTS_SUN_SCENE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* sun/stage_light: a light's disc in pixels. */
 #include "unit.h"
 #include "sun/stage.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* tone/curves.c: every operator against its equation as printed, in
  * double; laws that all must keep. */
 #include "unit.h"

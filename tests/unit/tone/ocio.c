@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* tone/ocio: pixels through views and spaces; which config, spaces, views,
  * looks and files names choose, and what wrong ones give. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* tone/map.c: exposure, primaries, white, the stage as a whole. */
 #include "unit.h"
 #include "core/colour.h"

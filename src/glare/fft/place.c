@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+/* The torus: places on it, and what transforms of it leave. */
+#include "core/minmax.h"
+#include "glare/fft/fft.h"
+#include "glare/kernel_rows.h"
+
+#include <limits.h>
+#include <math.h>
+
+// -- places on the torus ------------------------------------------------------
+
+struct axis {
+    int out0, out1, tap0, tap1;
+    int period; // the least
+};
+
+/* One axis: sources [in0, in1), kernel offsets [-c, w - 1 - c], frame [0, n). */
+static struct axis place_axis(int in0, int in1, int c, int w, int n)
+{
+    struct axis a = {gp_max(0, in0 - c), gp_min(n, in1 + w - 1 - c), 0, 0, 0};
+    if (a.out1 <= a.out0) // nothing of the kernel reaches the frame
+        a.out1 = a.out0 = 0;
+    a.tap0 = gp_max(-c, a.out0 - (in1 - 1));
+    a.tap1 = gp_min(w - c, a.out1 - in0);
+    const int right = in1 - 1 + a.tap1 - 1 - a.out0; // wraps to the left end
+    const int left = a.out1 - 1 - (in0 + a.tap0);
+    a.period = gp_max(gp_max(right, left) + 1,
+                      gp_max(in1 - in0, a.tap1 - a.tap0));
+    return a;
+}
+
+struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
+                                   const struct gp_kernel *k)
+{
+    struct gp_fft_placing p = {.in = s->box};
+    const struct axis x = place_axis(p.in.x0, p.in.x1, k->cx, k->w, s->w);
+    const struct axis y = place_axis(p.in.y0, p.in.y1, k->cy, k->h, s->h);
+    p.out = (struct gp_rect) {x.out0, y.out0, x.out1, y.out1};
+    p.taps = (struct gp_rect) {x.tap0, y.tap0, x.tap1, y.tap1};
+    if (!gp_rect_empty(p.out)) {
+        p.nx = gp_fft_length(x.period);
+        p.ny = gp_fft_length(y.period);
+    }
+    return p;
+}
+
+void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
+                          struct gp_fft_quarters *out)
+{
+    // distance from the centre that a source in the frame surely sees, to one
+    // side at least: everything, where the kernel has no more samples than that
+    const int reach_x = k->w - 1 <= w ? INT_MAX / 2 : w / 2;
+    const int reach_y = k->h - 1 <= h ? INT_MAX / 2 : h / 2;
+    *out = (struct gp_fft_quarters) {0};
+    if (k->lit && reach_x > w && reach_y > h) {
+        for (int c = 0; c < 3; c++) {
+            out->square[c] = k->quarter_square[c];
+            out->sum[c] = k->quarter_sum[c];
+        }
+        return;
+    }
+    for (int c = 0; c < 3 && !k->negative; c++) {
+        if (c > 0 && k->grey) {
+            out->square[c] = out->square[0];
+            out->sum[c] = out->sum[0];
+            continue;
+        }
+        struct gp_quarter_sums q = {0};
+        for (int y = 0; y < k->h; y++) {
+            double side[4];
+            gp_row_sides(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx,
+                         reach_x, side);
+            gp_quarter_add(&q, side, y <= k->cy && y >= k->cy - reach_y,
+                           y >= k->cy && y <= k->cy + reach_y);
+        }
+        out->square[c] = gp_quarter_least(q.square);
+        out->sum[c] = gp_quarter_least(q.sum);
+    }
+}
+
+double gp_fft_least(const struct gp_sources *s, const struct gp_fft_quarters *q)
+{
+    double all = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double flux = s->flux[c] * q->sum[c];
+        all += fmax(s->energy[c] * q->square[c],
+                    flux * flux / ((double) s->w * s->h));
+    }
+    return sqrt(all);
+}
+
+// -- noise --------------------------------------------------------------------
+
+/* Roundings' deviations in units of 2^-24 of what is rounded: fft.h. */
+static const double STAGE = 0.75, ADDING = 0.45;
+
+double gp_fft_rounding(bool in_double)
+{
+    return in_double ? 0x1p-53 : 0x1p-24;
+}
+
+double gp_fft_bound(const struct gp_sources *s, const struct gp_fft_norms *k,
+                    double least, const struct gp_fft_placing *p)
+{
+    static const double CERTAIN = 1e-6; // sums in double lose what is under it
+    double noise = 0.0, layer = 0.0; // squares
+    for (int c = 0; c < 3; c++) {
+        const double norm = sqrt(s->energy[c]);
+        const double young = fmin(norm * k->sum[c], s->flux[c] * k->norm[c]);
+        noise += norm * norm * k->norm[c] * k->norm[c];
+        layer += young * young;
+    }
+    if (!(least > CERTAIN * sqrt(noise)))
+        return INFINITY;
+    return sqrt(log2((double) p->nx * p->ny)) *
+           (2.0 * STAGE * sqrt(noise) +
+            (STAGE + 2.0 * ADDING) * sqrt(layer)) / least;
+}
+
+double gp_fft_pixel_error(const struct gp_fft_placing *p,
+    const struct gp_sources *s, const struct gp_fft_norms *k, int c)
+{
+    static const double T = 7.0;
+    const double points = (double) p->nx * p->ny, light = sqrt(s->energy[c]);
+    const double pair = (double) s->brightest * k->most[c];
+    const double norm = fmin(light * k->sum[c], s->flux[c] * k->norm[c]);
+    const double most = fmin(fmin((double) s->brightest * k->sum[c],
+                                  s->flux[c] * k->most[c]),
+                             light * k->norm[c]);
+    double sum = 0.0;
+    for (double n = 1.0; n <= points; n *= 2.0) {
+        const double mean = fmin(most * most, norm * norm / n);
+        sum += mean + 2.0 * fmin(mean, n * pair * most);
+    }
+    return T * STAGE * sqrt(sum);
+}
+
+double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
+                    const struct gp_fft_norms *k, int c)
+{
+    const double points = (double) p->nx * p->ny, light = sqrt(s->energy[c]);
+    const double layer = fmin(light * k->sum[c], s->flux[c] * k->norm[c]);
+    const double there = light * k->norm[c];
+    return STAGE * sqrt(log2(points) / points *
+                        (2.0 * there * there + layer * layer));
+}
