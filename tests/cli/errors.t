@@ -226,7 +226,7 @@ done
 
 refuses 2 nope 'an unknown channel' --depth nope in.exr
 like "$(cat err)" '*A*B*G*R*Z*' 'an unknown channel: lists those that are there'
-for pair in engine tonemap type compression gl mix alpha progress fft-plan \
+for pair in engine tonemap type compression gl mix alpha progress \
     kernel-normalize depth-bits debug threshold-mode; do
     refuses 2 "--$pair" "an unknown value of --$pair" --$pair nope in.exr
     like "$(cat err)" '*nope*one of*' "--$pair: says what there is"

@@ -186,7 +186,7 @@ static double noise_of(const struct gp_glare_request *req,
     const struct gp_fft_placing *p, const struct gp_fft_norms *k, bool in_double,
     int c)
 {
-    static const double LEFT_OUT = 3.0, IN_DOUBLE = 32.0;
+    static const double LEFT_OUT = 4.0, IN_DOUBLE = 32.0;
     return (in_double ? IN_DOUBLE : LEFT_OUT) * gp_fft_rounding(in_double) *
            gp_fft_noise(p, req->src, k, c);
 }
