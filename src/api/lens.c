@@ -5,6 +5,7 @@
 
 #include "core/colour.h"
 #include "core/luminance.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 
@@ -51,7 +52,7 @@ static double sensor_width(struct glarepp_frame *f, const struct gp_lens *lens)
     gp_lens_measure(lens, &figures);
     if (fov > 0.0) {
         *from = "angle";
-        return 2.0 * figures.focal * tan(fov * acos(-1.0) / 360.0) * w / h;
+        return 2.0 * figures.focal * gp_tan(fov * M_PI / 360.0) * w / h;
     }
     if (f->p.sensor > 0.0 && f->p.sensor <= 1e4) {
         *from = "attribute";
@@ -59,7 +60,7 @@ static double sensor_width(struct glarepp_frame *f, const struct gp_lens *lens)
     }
     *from = lens->says.claims_height > 0.0 ? "lens" : "default";
     return lens->says.claims_height > 0.0
-               ? 2.0 * lens->says.claims_height * w / hypot(w, h)
+               ? 2.0 * lens->says.claims_height * w / gp_hypot(w, h)
                : 36.0; // of 35 mm film
 }
 
@@ -78,8 +79,9 @@ bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out)
     *out = (struct gp_api_stop) {
         .focal = round(1e3 * figures.focal) / 1e3,
         .f_number = round(1e3 * figures.f_number) / 1e3,
-        .fov = 360.0 / acos(-1.0) * atan(0.5 * height / figures.focal),
-        .blades = lens.says.blades, .turn = lens.turn,
+        .fov = 360.0 / M_PI * gp_atan(0.5 * height / figures.focal),
+        .blades = lens.says.blades,
+        .turn = lens.turn,
     };
     return true;
 }

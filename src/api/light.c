@@ -3,6 +3,7 @@
 #include "api/plan.h"
 
 #include "core/clock.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
@@ -56,8 +57,8 @@ static struct gp_eye_disc disc_of(const struct gp_light *l, struct gp_v3 eye)
     const struct gp_light_sight *const s = &l->sight;
     const struct gp_v3 at = {s->at[0], s->at[1], s->at[2]};
     return s->lamp
-               ? gp_eye_lamp(eye, at, sin(s->half) *
-                                          gp_v3_length(gp_v3_sub(at, eye)))
+               ? gp_eye_lamp(eye, at,
+                             gp_sin(s->half) * gp_v3_length(gp_v3_sub(at, eye)))
                : gp_eye_sun(eye, at, s->half);
 }
 

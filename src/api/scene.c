@@ -4,6 +4,7 @@
 #include "api/plan.h"
 
 #include "core/depth.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "scene/relight.h"
@@ -120,7 +121,7 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     spec.ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size;
     memcpy(spec.name, l->name, sizeof spec.name);
     // of half the angle that the disc is seen under
-    double sine = sin(spec.degrees * (PI / 360.0));
+    double sine = gp_sin(spec.degrees * (PI / 360.0));
     if (!c || !(plan->scene.light_scale > 0.0))
         return spec;
     // a disc of a small angle has as many pixels as its sine's square says
@@ -136,7 +137,7 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     }
     const double dir[3] = {to.x, to.y, to.z};
     const double radius =
-        gp_camera_disc(c, display, dir, asin(sine) * (360.0 / PI));
+        gp_camera_disc(c, display, dir, gp_asin(sine) * (360.0 / PI));
     const double flux = plan->scene.light_scale * power * radius *
                         radius / fmax(sine * sine, 1e-18);
     for (int i = 0; i < 3; i++)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Integers in a file's bytes, in either byte order and at any alignment, and
- * floats as bits. */
+ * floats and doubles as bits. */
 #ifndef GP_CORE_BYTES_H
 #define GP_CORE_BYTES_H
 
@@ -31,6 +31,20 @@ static inline uint32_t gp_bits_of(float v)
 static inline float gp_float_with_bits(uint32_t bits)
 {
     float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static inline uint64_t gp_bits_of_double(double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+static inline double gp_double_with_bits(uint64_t bits)
+{
+    double v;
     memcpy(&v, &bits, sizeof v);
     return v;
 }

@@ -2,6 +2,8 @@
 /* Makes cameras from matrices; projects points and discs. */
 #include "core/camera.h"
 
+#include "core/maths.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -192,8 +194,9 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
         const double *const s = c->to_camera;
         const double unit =
             c->has_camera
-                ? cbrt(fabs(gp_v3_det(gp_column(s, 0), gp_column(s, 1),
-                                      gp_column(s, 2))))
+                ? gp_pow(fabs(gp_v3_det(gp_column(s, 0), gp_column(s, 1),
+                                        gp_column(s, 2))),
+                         1.0 / 3.0)
                 : 1.0;
         at.z = pw * unit;
         at.ray = unit *
@@ -214,7 +217,7 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
     const struct gp_v3 d = {dir[0] / most, dir[1] / most, dir[2] / most};
     const struct gp_v3 axis = gp_column(m, 3);
     const double t =
-        atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
+        gp_atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
     const double a = degrees * (M_PI / 360.0);
     if (!(a >= 0.0 && t + a < M_PI / 2.0))
         return 0.0;
@@ -222,9 +225,9 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
     const double area = fabs(det) *
                         ((double) display.x1 - display.x0) *
                         ((double) display.y1 - display.y0);
-    const double rest = cos(t + a) * cos(t - a); // cos^2 t - sin^2 a
-    const double r = sqrt(fmax(area, 0.0) * cos(a)) * sin(a) / pow(rest, 0.75);
-    return fmin(r, MOST_RADIUS);
+    const double rest = gp_cos(t + a) * gp_cos(t - a); // cos^2 t - sin^2 a
+    const double wide = sqrt(fmax(area, 0.0) * gp_cos(a)) * gp_sin(a);
+    return fmin(wide / gp_pow(rest, 0.75), MOST_RADIUS);
 }
 
 double gp_camera_disc_degrees(const struct gp_camera *c, struct gp_rect display,
@@ -233,7 +236,7 @@ double gp_camera_disc_degrees(const struct gp_camera *c, struct gp_rect display,
     const struct gp_v3 d = {dir[0], dir[1], dir[2]};
     const struct gp_v3 axis = gp_column(c->to_ndc, 3);
     const double t =
-        atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
+        gp_atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
     double lo = 0.0, hi = (M_PI / 2.0 - t) * (360.0 / M_PI);
     // the radius grows with the angle
     while (hi - lo > 1e-9) {
@@ -252,5 +255,5 @@ double gp_camera_fov(const struct gp_camera *c)
     // to v of length 1, d = v + t u has along + t up, 0 above and 1 below
     const struct gp_v3 v = gp_column(c->to_ndc, 3), b = gp_column(c->to_ndc, 1);
     const double along = gp_v3_dot(b, v), up = gp_v3_length(gp_v3_cross(b, v));
-    return (atan((1.0 - along) / up) + atan(along / up)) * (180.0 / M_PI);
+    return (gp_atan((1.0 - along) / up) + gp_atan(along / up)) * (180.0 / M_PI);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/colour.h"
 
-
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -127,26 +126,6 @@ void gp_luminance_weights(const float ch[8], float weight[3])
         weight[c] = (float) m[3 + c];
 }
 
-float gp_srgb_encode(float linear)
-{
-    if (!(linear > 0.0f))
-        return 0.0f;
-    if (linear >= 1.0f)
-        return 1.0f;
-    return linear <= 0.0031308f ? 12.92f * linear
-                                : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
-}
-
-float gp_srgb_decode(float encoded)
-{
-    if (!(encoded > 0.0f))
-        return 0.0f;
-    if (encoded >= 1.0f)
-        return 1.0f;
-    return encoded <= 0.04045f ? encoded / 12.92f
-                               : powf((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
 // -- colours of wavelengths ---------------------------------------------------
 
 /* A curve with one slope before its peak and one after it. */
@@ -154,7 +133,7 @@ static double lobe(double nm, double height, double peak, double before,
                    double after)
 {
     const double z = (nm - peak) / (nm < peak ? before : after);
-    return height * exp(-0.5 * z * z);
+    return height * gp_exp(-0.5 * z * z);
 }
 
 /* CIE 1931 2 degree observer: the multi-lobe fit of Wyman, Sloan and Shirley,

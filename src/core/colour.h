@@ -4,6 +4,8 @@
 #ifndef GP_CORE_COLOUR_H
 #define GP_CORE_COLOUR_H
 
+#include "core/maths.h"
+
 /* ITU-R BT.709 primaries and D65 white: rx ry gx gy bx by wx wy. A file
  * without a chromaticities attribute has these (ImfStandardAttributes.h). */
 extern const float gp_rec709_chromaticities[8];
@@ -48,8 +50,23 @@ void gp_invert3(const double m[9], double out[9]);
 /* The sRGB transfer curve, IEC 61966-2-1:1999: linear to encoded and back,
  * both in [0,1]; values outside are clamped, NaN becomes 0. The references of
  * faster forms. */
-float gp_srgb_encode(float linear);
-float gp_srgb_decode(float encoded);
+static inline float gp_srgb_encode(float linear)
+{
+    const float v =
+        linear <= 0.0031308f
+            ? 12.92f * linear
+            : (float) (1.055 * gp_pow((double) linear, 1.0 / 2.4) - 0.055);
+    return linear > 0.0f ? (linear < 1.0f ? v : 1.0f) : 0.0f;
+}
+
+static inline float gp_srgb_decode(float encoded)
+{
+    const float v =
+        encoded <= 0.04045f
+            ? encoded / 12.92f
+            : (float) gp_pow(((double) encoded + 0.055) / 1.055, 2.4);
+    return encoded > 0.0f ? (encoded < 1.0f ? v : 1.0f) : 0.0f;
+}
 
 enum { GP_NM_FROM = 380, GP_NM_TO = 780, GP_BANDS = 256 };
 

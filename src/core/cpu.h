@@ -2,9 +2,9 @@
 /* Run-time choice of wider vectors.
  *
  * GP_CLONES before a function makes the compiler build it twice, for the
- * baseline and for AVX2, and choose at load time. ISO C keeps a * b + c unfused
- * in both, so both give the same bits. (Not "arch=haswell", which is chosen on
- * that model only, not on later ones.) */
+ * baseline and for AVX2, and choose at load time. a * b + c stays unfused in both
+ * (-ffp-contract=off), so both give the same bits. (Not "arch=haswell", which is
+ * chosen on that model only, not on later ones.) */
 #ifndef GP_CORE_CPU_H
 #define GP_CORE_CPU_H
 

@@ -3,6 +3,7 @@
 
 #include "core/bytes.h"
 #include "core/cpu.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -121,7 +122,7 @@ double gp_mean_luminance(const struct gp_image *f, const struct gp_planes *p)
 // -- the average -------------------------------------------------------------
 
 /* A sum of logarithms, as the product of mantissas and the sum of exponents:
- * one log() for many pixels, and nothing lost. */
+ * one logarithm for many pixels, and nothing lost. */
 struct log_sum {
     double sum;
     long long count;
@@ -151,16 +152,14 @@ static void measure_log(void *ctx, int band, int thread)
                        m->weight[1] * (double) m->p->c[1][i] +
                        m->weight[2] * (double) m->p->c[2][i];
             const bool counts = y > 0.0 && y < (double) INFINITY;
-            double v = counts ? y + delta : 1.0;
-            uint64_t bits;
-            memcpy(&bits, &v, sizeof bits);
+            const double v = counts ? y + delta : 1.0;
+            const uint64_t bits = gp_bits_of_double(v);
             exponents += (int64_t) (bits >> 52) - 1023;
-            bits = (bits & 0xfffffffffffffu) | (uint64_t) 1023 << 52;
-            memcpy(&v, &bits, sizeof v);
-            product *= v;
+            product *= gp_double_with_bits((bits & 0xfffffffffffffu) |
+                                           (uint64_t) 1023 << 52);
             s.count += counts;
         }
-        s.sum += log(product) + (double) exponents * 0.693147180559945309417;
+        s.sum += gp_log(product) + (double) exponents * M_LN2;
     }
     m->band[band] = s;
 }
@@ -176,7 +175,7 @@ double gp_log_average(const struct gp_image *f, const struct gp_planes *p)
         all.sum += m.band[i].sum;
         all.count += m.band[i].count;
     }
-    return all.count ? exp(all.sum / (double) all.count) : 0.0;
+    return all.count ? gp_exp(all.sum / (double) all.count) : 0.0;
 }
 
 // -- percentiles -------------------------------------------------------------

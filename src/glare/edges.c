@@ -2,6 +2,7 @@
 /* Light from beyond the border. */
 #include "glare/edges.h"
 
+#include "core/bytes.h"
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -50,11 +51,7 @@ double gp_beyond_most(const struct gp_beyond *b)
  * two of Halley's steps. Faint light counts as none. */
 static inline float cube_root(float v)
 {
-    uint32_t bits;
-    float r;
-    memcpy(&bits, &v, sizeof bits);
-    bits = bits / 3 + 0x2a5119f2;
-    memcpy(&r, &bits, sizeof r);
+    float r = gp_float_with_bits(gp_bits_of(v) / 3 + 0x2a5119f2);
     for (int i = 0; i < 2; i++) {
         const float cube = r / v * r * r; // over v
         r *= (cube + 2.0f) / (2.0f * cube + 1.0f);

@@ -4,6 +4,7 @@
 #include "glare/kernel.h"
 
 #include "core/colour.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -242,8 +243,8 @@ static bool set_angle(float degrees, struct gp_unturned *u)
         return true;
     }
     const double angle = fmod((double) degrees, 360.0) * M_PI / 180.0;
-    u->cos = cos(angle);
-    u->sin = sin(angle);
+    u->cos = gp_cos(angle);
+    u->sin = gp_sin(angle);
     return false;
 }
 

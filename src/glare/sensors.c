@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/cpu.h"
 #include "core/luminance.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -154,9 +155,8 @@ static void clean_block(void *ctx, int i, int thread)
              k += s->step) {
             const float lum = gp_lit_luminance(s->weight, s->rgb[0][k],
                                                s->rgb[1][k], s->rgb[2][k]);
-            uint32_t bits;
-            memcpy(&bits, &lum, sizeof bits);
-            s->dark[thread][lum > 0.0f ? bits >> DARK_SHIFT : BLACK]++;
+            s->dark[thread]
+                   [lum > 0.0f ? gp_bits_of(lum) >> DARK_SHIFT : BLACK]++;
         }
         s->bright[y] = (uint32_t) n.bright;
         if (!s->again) {
@@ -330,10 +330,7 @@ static void find_darkest(const struct sense *s, int threads,
     for (uint32_t b = 0; lit && b < BLACK; b++) {
         below += s->dark[0][b];
         if (below * 1000ull >= lit) {
-            const uint32_t bits = b << DARK_SHIFT;
-            float y;
-            memcpy(&y, &bits, sizeof y);
-            out->darkest = (double) y;
+            out->darkest = (double) gp_float_with_bits(b << DARK_SHIFT);
             break;
         }
     }
@@ -379,8 +376,8 @@ static gp_status clean_frame(const struct gp_log *log, struct sense *s,
         st = gp_luminance_percentile(log, f, (double) p->threshold,
                                      &p->threshold);
     if (p->unit == GLAREPP_EV)
-        p->threshold = (float) fmin(exp2((double) p->threshold) *
-                                    gp_log_average(f, &f->rgb),
+        p->threshold = (float) fmin(gp_exp2((double) p->threshold) *
+                                        gp_log_average(f, &f->rgb),
                                     (double) FLT_MAX);
     p->unit = GLAREPP_LUMINANCE;
     if (relative && !st) {

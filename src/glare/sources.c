@@ -11,10 +11,7 @@
 
 float gp_source_bin_start(int bin)
 {
-    const uint32_t bits = (uint32_t) bin << 22;
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
+    return gp_float_with_bits((uint32_t) bin << 22);
 }
 
 static float largest_channel(const float rgb[3])

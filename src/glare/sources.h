@@ -4,11 +4,11 @@
 #ifndef GP_GLARE_SOURCES_H
 #define GP_GLARE_SOURCES_H
 
+#include "core/bytes.h"
 #include "core/image.h"
 #include "core/status.h"
 
 #include <stdint.h>
-#include <string.h>
 
 /* Bins of light, two an octave. */
 enum { GP_SOURCE_BINS = 512 };
@@ -17,9 +17,7 @@ enum { GP_SOURCE_BINS = 512 };
  * starts. From the exponent and the first bit of the mantissa. */
 static inline int gp_source_bin(float v)
 {
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return (int) (bits >> 22) & (GP_SOURCE_BINS - 1);
+    return (int) (gp_bits_of(v) >> 22) & (GP_SOURCE_BINS - 1);
 }
 float gp_source_bin_start(int bin);
 

@@ -7,6 +7,7 @@
 #include "io/channels.h"
 #include "io/io_priv.h"
 #include "core/half.h"
+#include "core/maths.h"
 
 #include <limits.h>
 #include <math.h>
@@ -42,19 +43,19 @@ static float decode(enum curve curve, float gamma, float v)
 {
     // Kodak, "Grayscale Transformations of Cineon Digital Film Data", 1993:
     // white at code 685 of 1023, black at 95, 0.002 density a code, gamma 0.6
-    const float step = 0.002f / 0.6f;
-    const float black = powf(10.0f, (95.0f - 685.0f) * step);
+    const double step = 0.002 / 0.6, black = gp_pow(10.0, (95 - 685) * step);
+    const double x = (double) v;
     switch (curve) {
     case SRGB:
         return gp_srgb_decode(v);
     case REC709: // ITU-R BT.709-6, item 1.2, turned round
         return v < 0.081f ? v / 4.5f
-                          : powf((v + 0.099f) / 1.099f, 1.0f / 0.45f);
+                          : (float) gp_pow((x + 0.099) / 1.099, 1.0 / 0.45);
     case CINEON:
-        return (powf(10.0f, (v * 1023.0f - 685.0f) * step) - black) /
-               (1.0f - black);
+        return (float) ((gp_pow(10.0, (x * 1023.0 - 685.0) * step) - black) /
+                        (1.0 - black));
     case GAMMA:
-        return powf(v, gamma);
+        return (float) gp_pow(x, (double) gamma);
     case LINEAR:
         break;
     }

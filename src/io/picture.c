@@ -71,6 +71,13 @@ static INLINE void encode_block(const float *restrict x, float max,
     }
 }
 
+static INLINE void encode_exactly(const float *restrict x, float max,
+                                  float *restrict v, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        v[i] = gp_srgb_encode(x[i]) * max;
+}
+
 /* Jimenez: fract(52.9829189 * fract(0.06711056 x + 0.00583715 y)), with
  * fractions as 32-bit numbers that wrap by themselves. */
 static const uint32_t noise_x = 288237660u;   // 0.06711056 * 2^32
@@ -103,9 +110,10 @@ GP_CLONES void gp_quantize(const struct gp_quantizer *q, const float *value,
             in[k] = clamp_by_bits(value[i + k]);
         if (q->curve && q->dither)
             encode_block(in, max, v, m);
-        else
-            for (size_t k = 0; k < m; k++)
-                v[k] = (q->curve ? gp_srgb_encode(in[k]) : in[k]) * max;
+        else if (q->curve)
+            encode_exactly(in, max, v, m);
+        for (size_t k = 0; k < m && !q->curve; k++)
+            v[k] = in[k] * max;
         if (q->dither)
             dither_block(v, inner, code + i, m);
         for (size_t k = 0; k < m && !q->dither; k++)

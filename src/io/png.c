@@ -5,6 +5,7 @@
 #include "io/io_priv.h"
 
 #include "core/colour.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -202,9 +203,10 @@ static void sample_row(void *ctx, int y, int thread)
             for (int c = 0; c < alpha; c++)
                 code[c] = code[c] * code[alpha] / max;
         } else if (alpha < n) {
-            const float a = powf((float) code[alpha] * scale, in->gamma);
+            const double a =
+                gp_pow((double) code[alpha] / max, (double) in->gamma);
             for (int c = 0; c < alpha; c++)
-                code[c] = (uint32_t) ((float) code[c] * a);
+                code[c] = (uint32_t) (code[c] * a);
         }
         for (int c = 0; c < n; c++)
             to[c] = (float) code[c] * scale;

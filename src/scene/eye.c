@@ -3,6 +3,7 @@
  * disc that these leave clear, by rays. */
 #include "scene/eye.h"
 
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "scene/bounds.h"
@@ -33,7 +34,7 @@ struct gp_eye_disc gp_eye_lamp(struct gp_v3 eye, struct gp_v3 at, double ball)
     };
     if (!(distance > 0.0))
         d.to = (struct gp_v3) {0.0, 0.0, 1.0};
-    d.half = d.ball < distance ? asin(d.ball / distance) : M_PI / 2.0;
+    d.half = d.ball < distance ? gp_asin(d.ball / distance) : M_PI / 2.0;
     return d;
 }
 
@@ -56,9 +57,9 @@ static bool meets_sphere(const struct gp_eye_disc *d, const struct gp_object *o)
     const double r = o->radius + SLACK * (distance + o->radius);
     if (distance - r > reach(d))
         return false;
-    const double angle = atan2(gp_v3_length(gp_v3_cross(c, d->to)),
-                               gp_v3_dot(c, d->to));
-    return distance <= r || angle <= d->half + asin(r / distance) + SLACK;
+    const double angle =
+        gp_atan2(gp_v3_length(gp_v3_cross(c, d->to)), gp_v3_dot(c, d->to));
+    return distance <= r || angle <= d->half + gp_asin(r / distance) + SLACK;
 }
 
 // -- directions ---------------------------------------------------------------
@@ -105,18 +106,16 @@ static struct measure measure_of(const struct gp_eye_disc *d,
     const bool middle = inside(&m, d->to);
     for (int i = 0; window && i < AROUND; i++) {
         const double turn = 2.0 * M_PI * i / AROUND;
-        const struct gp_v3 side =
-            gp_v3_add(gp_v3_scale(m.across, cos(turn)),
-                      gp_v3_scale(m.up, sin(turn)));
-        const struct gp_v3 edge =
-            gp_v3_add(gp_v3_scale(d->to, cos(d->half)),
-                      gp_v3_scale(side, sin(d->half)));
+        const struct gp_v3 side = gp_v3_add(gp_v3_scale(m.across, gp_cos(turn)),
+                                            gp_v3_scale(m.up, gp_sin(turn)));
+        const struct gp_v3 edge = gp_v3_add(gp_v3_scale(d->to, gp_cos(d->half)),
+                                            gp_v3_scale(side, gp_sin(d->half)));
         m.cut = m.cut || inside(&m, edge) != middle;
     }
     // all of the disc is before the camera
-    m.plane = m.cut && along_view(&m, d->to) > 0.0 &&
-              acos(fmin(along_view(&m, d->to), 1.0)) + d->half <
-                  0.999 * M_PI / 2;
+    m.plane =
+        m.cut && along_view(&m, d->to) > 0.0 &&
+        gp_acos(fmin(along_view(&m, d->to), 1.0)) + d->half < 0.999 * M_PI / 2;
     return m;
 }
 
@@ -139,7 +138,7 @@ static double jitter(uint32_t i)
 static struct gp_v3 direction(const struct measure *f, double a,
                               double b)
 {
-    const double half = sin(0.5 * f->disc->half);
+    const double half = gp_sin(0.5 * f->disc->half);
     double radius = a, turn = 0.0;
     if (fabs(a) > fabs(b)) {
         turn = M_PI / 4.0 * (b / a);
@@ -151,8 +150,8 @@ static struct gp_v3 direction(const struct measure *f, double a,
     // the sign of the radius is that of the side of the square
     const double s = copysign(sqrt(m * (2.0 - m)), radius);
     return gp_v3_add(gp_v3_scale(f->disc->to, 1.0 - m),
-                     gp_v3_add(gp_v3_scale(f->across, s * cos(turn)),
-                               gp_v3_scale(f->up, s * sin(turn))));
+                     gp_v3_add(gp_v3_scale(f->across, s * gp_cos(turn)),
+                               gp_v3_scale(f->up, s * gp_sin(turn))));
 }
 
 /* Returns the way to the disc along a unit direction. */

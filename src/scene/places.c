@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/relight_priv.h"
+#include "core/maths.h"
 
 #include <math.h>
 
@@ -12,8 +13,8 @@ static double place_of(double share)
         const double v = 0.5 * (lo + hi), turn = 2.0 * M_PI * (v + 0.5);
         const double sum =
             v + 0.5 -
-            (0.48829 * sin(turn) - 0.14128 / 2.0 * sin(2.0 * turn) +
-             0.01168 / 3.0 * sin(3.0 * turn)) /
+            (0.48829 * gp_sin(turn) - 0.14128 / 2.0 * gp_sin(2.0 * turn) +
+             0.01168 / 3.0 * gp_sin(3.0 * turn)) /
                 (2.0 * M_PI * 0.35875);
         *(sum < share ? &lo : &hi) = v;
     }

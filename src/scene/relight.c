@@ -2,6 +2,7 @@
 #include "scene/relight.h"
 
 #include "core/depth.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -308,7 +309,7 @@ static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
     const double d = gp_v3_length(from);
     return !(l->range > 0.0 && d >= l->range) &&
            (l->kind != GP_LIGHT_SPOT ||
-            gp_v3_dot(from, l->along) > d * cos(l->outer));
+            gp_v3_dot(from, l->along) > d * gp_cos(l->outer));
 }
 
 // -- a light's pass -----------------------------------------------------------

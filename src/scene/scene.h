@@ -12,6 +12,7 @@
 #define GP_SCENE_SCENE_H
 
 #include "core/camera.h"
+#include "core/maths.h"
 #include "core/status.h"
 #include "glarepp.h"
 
@@ -107,8 +108,8 @@ static inline double gp_spot_share(const struct gp_scene_light *l,
 {
     if (l->kind != GP_LIGHT_SPOT)
         return 1.0;
-    const double outer = cos(l->outer);
-    const double soft = fmax(cos(l->inner) - outer, 1e-6);
+    const double outer = gp_cos(l->outer);
+    const double soft = fmax(gp_cos(l->inner) - outer, 1e-6);
     const double edge = (gp_v3_dot(to, l->along) - outer) / soft;
     return edge <= 0.0 ? 0.0 : edge >= 1.0 ? 1.0 : edge * edge;
 }

@@ -19,6 +19,7 @@
  * wavelengths where it is dispersed: light of size s is f(t / s) / s^2, or / s
  * along rays. */
 #include "core/colour.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "sun/flare_priv.h"
@@ -58,11 +59,12 @@ static double body(const struct gp_flare_element *e, double q)
     } else if (has_rays(e)) {
         v = (1.0 - p) * (1.0 - p);
     } else if (e->shape == GP_FLARE_GLOW || e->shape == GP_FLARE_DIRT) {
-        v = (exp(-e->falloff * p) - exp(-e->falloff)) / -expm1(-e->falloff);
+        const double end = gp_exp(-e->falloff);
+        v = (gp_exp(-e->falloff * p) - end) / (1.0 - end);
     } else if (e->shape == GP_FLARE_CAUSTIC) {
         v = 1.0 / sqrt(1.0 - p + 0.02); // a fold: 1 / sqrt of the distance
     }
-    return v + e->rim * exp(-20.0 * (1.0 - p));
+    return v + e->rim * gp_exp(-20.0 * (1.0 - p));
 }
 
 /* Coverage inside an edge at distance d (over 0: inside), of a ramp a pixel or
@@ -94,18 +96,22 @@ static double profile_at(const struct gp_flare_element *e, double q, double r,
            fmax(edge(1.0 - q, wide, soft) + hole - 1.0, 0.0);
 }
 
+/* From the middle to a corner, over to a side. */
+static double corner_of(const struct gp_flare_element *e)
+{
+    return e->shape == GP_FLARE_POLYGON ? 1.0 / gp_cos(M_PI / e->sides) : 1.0;
+}
+
 /* The gradient of the norm, times R: that of a polygon is larger. */
 static double steepness(const struct gp_flare_element *e)
 {
-    const double poly =
-        e->shape == GP_FLARE_POLYGON ? 1.0 / cos(M_PI / e->sides) : 1.0;
+    const double poly = corner_of(e);
     return poly + e->round * (1.0 - poly);
 }
 
 static double least_radius(const struct gp_flare_element *e)
 {
-    return has_rays(e) ? 1.5
-           : e->shape == GP_FLARE_POLYGON ? 0.5 / cos(M_PI / e->sides) : 0.5;
+    return has_rays(e) ? 1.5 : 0.5 * corner_of(e);
 }
 
 /* The radius of a channel, in pixels. */
@@ -201,7 +207,8 @@ static void make_rays(struct gp_flare_look *l)
         const double half = fmax(l->radius * e->width, spikes ? 0.1 : 0.5) *
                             (1.0 - 0.9 * e->random * less[1]);
         *r = (struct gp_flare_ray) {
-            .c = (float) cos(turn), .s = (float) -sin(turn), // y is down
+            .c = (float) gp_cos(turn),
+            .s = (float) -gp_sin(turn), // y is down
             .per_t = (float) (l->per_t / (l->radius * length)),
             .half = (float) (spikes ? half : fmax(half, 0.5)),
             .length = length,
@@ -215,7 +222,8 @@ static float spike_section(float b, float half, float left)
 {
     const float own = 0.6f * half * left, var = own * own + 0.3f;
     const float z = b * b / var;
-    return z > 24.0f ? 0.0f : own / sqrtf(var) * expf(-0.5f * z);
+    return z > 24.0f ? 0.0f
+                     : own / sqrtf(var) * (float) gp_exp(-0.5 * (double) z);
 }
 
 /* Section of a streak: a band with edges of that steepness, or softer. */
@@ -255,7 +263,8 @@ static float direction_of(const struct gp_flare_look *l, float x, float y)
         return v * v;
     }
     if (e->shape == GP_FLARE_RING && e->completion < 1.0) {
-        const float at = fabsf(atan2f(y, x)) / (float) (M_PI * e->completion);
+        const float at = (float) (fabs(gp_atan2((double) y, (double) x)) /
+                                  (M_PI * e->completion));
         const float ends = gp_maxf((float) e->feather, l->pixel);
         const float v = gp_clamp01((1.0f - at) / ends);
         return v * v * (3.0f - 2.0f * v);
@@ -270,7 +279,7 @@ static void find_areas(struct gp_flare_look *l)
     double plane = 0.0, across = 0.0; // of all directions at t = 1; of sections
     for (int i = 0; i < ANGLES && !rays; i++) {
         const double a = 2.0 * M_PI * (i + 0.5) / ANGLES;
-        const float x = (float) cos(a), y = (float) sin(a);
+        const float x = (float) gp_cos(a), y = (float) gp_sin(a);
         int side = 0;
         const double t = (double) norm_of(l, x, y, &side); // r = 1 / t
         plane += (double) direction_of(l, x, y) / (t * t) * 2.0 * M_PI / ANGLES;
@@ -310,8 +319,8 @@ gp_status gp_flare_look_make(const struct gp_log *log,
                                                                  : e->aspect;
     for (int i = 0; e->shape == GP_FLARE_POLYGON && i < e->sides; i++) {
         const double a = (i + 0.5) * 2.0 * M_PI / e->sides;
-        l.side[i][0] = (float) (cos(a) / cos(M_PI / e->sides));
-        l.side[i][1] = (float) (-sin(a) / cos(M_PI / e->sides));
+        l.side[i][0] = (float) (gp_cos(a) * corner_of(e));
+        l.side[i][1] = (float) (-gp_sin(a) * corner_of(e));
     }
     GP_TRY(make_table(log, &l));
     if (has_rays(e)) {

@@ -4,6 +4,7 @@
 #include "sun/flare_priv.h"
 
 #include "core/colour.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -94,10 +95,11 @@ static double height_of(struct gp_rect display)
 /* Distance from the centre, 1 in a corner. */
 static double off_centre(double x, double y, struct gp_rect display)
 {
-    const double half = 0.5 * hypot((double) display.x1 - (double) display.x0,
-                                    height_of(display));
-    return half > 0.0 ? hypot(x - gp_rect_middle(display, 0),
-                              y - gp_rect_middle(display, 1)) / half
+    const double wide = (double) display.x1 - (double) display.x0;
+    const double half = 0.5 * gp_hypot(wide, height_of(display));
+    return half > 0.0 ? gp_hypot(x - gp_rect_middle(display, 0),
+                                 y - gp_rect_middle(display, 1)) /
+                            half
                       : 0.0;
 }
 
@@ -140,7 +142,7 @@ static struct gp_flare_element dress(const struct gp_flare *f, int k,
     for (int c = 0; c < 3; c++)
         e.colour[c] *= (float) bright;
     if (e.axis && (l->x != cx || l->y != cy))
-        e.rotation += atan2(l->y - cy, cx - l->x) * 180.0 / M_PI;
+        e.rotation += gp_atan2(l->y - cy, cx - l->x) * 180.0 / M_PI;
     return e;
 }
 
@@ -148,7 +150,8 @@ static void place_of(const struct gp_flare_element *e, const struct gp_light *l,
                      struct gp_rect display, double *x, double *y)
 {
     const double dx = gp_rect_middle(display, 0) - l->x;
-    const double dy = gp_rect_middle(display, 1) - l->y, d = hypot(dx, dy);
+    const double dy = gp_rect_middle(display, 1) - l->y;
+    const double d = gp_hypot(dx, dy);
     const double across = d > 0.0 ? e->offset * height_of(display) / d : 0.0;
     *x = l->x + e->at * dx + across * dy;
     *y = l->y + e->at * dy - across * dx;
@@ -196,7 +199,7 @@ static struct box box_of(const struct gp_flare_element *e, double diameter)
                                  : 0.5 + largest / least_scale(e) * 2.0 / texel;
     const double u[2] = {-more - e->image.cx, e->image.w + more - e->image.cx};
     const double v[2] = {-more - e->image.cy, e->image.h + more - e->image.cy};
-    const double c = cos(angle), s = sin(angle);
+    const double c = gp_cos(angle), s = gp_sin(angle);
     struct box b = {INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (int i = 0; i < 4; i++) {
         const double x = u[i & 1] * c + v[i >> 1] * s;
@@ -231,8 +234,8 @@ struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
             const double angle = e->rotation * M_PI / 180.0;
             const double wide = fmax(0.5 * diameter_of(e, display), 1.5) *
                                     e->width * (1.0 + e->softness) + 4.0;
-            const double w = r * fabs(cos(angle)) + wide * fabs(sin(angle));
-            const double h = r * fabs(sin(angle)) + wide * fabs(cos(angle));
+            const double c = fabs(gp_cos(angle)), s = fabs(gp_sin(angle));
+            const double w = r * c + wide * s, h = r * s + wide * c;
             b = (struct box) {-w, -h, w, h};
         }
     }
@@ -371,8 +374,8 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
     const double dy = gp_rect_middle(p->display, 1) - p->light->y;
     const double far = 2.0 * p->e.cut *
                        off_centre(p->light->x, p->light->y, p->display);
-    q->cut[0] = dx != 0.0 ? (float) (far * dx / hypot(dx, dy)) : 0.0f;
-    q->cut[1] = dy != 0.0 ? (float) (far * dy / hypot(dx, dy)) : 0.0f;
+    q->cut[0] = dx != 0.0 ? (float) (far * dx / gp_hypot(dx, dy)) : 0.0f;
+    q->cut[1] = dy != 0.0 ? (float) (far * dy / gp_hypot(dx, dy)) : 0.0f;
 }
 
 static struct gp_flare_quad quad_of(const struct pair *p,
@@ -381,8 +384,9 @@ static struct gp_flare_quad quad_of(const struct pair *p,
     const double angle = p->e.rotation * M_PI / 180.0;
     const float visible = (float) p->light->visibility;
     struct gp_flare_quad q = {
-        .plain = p->e.plain && p->level, .look = look,
-        .turn = {(float) cos(angle), (float) sin(angle)},
+        .plain = p->e.plain && p->level,
+        .look = look,
+        .turn = {(float) gp_cos(angle), (float) gp_sin(angle)},
         .image = p->level ? &p->level->image : NULL,
     };
     place_of(&p->e, p->light, p->display, &q.x, &q.y);

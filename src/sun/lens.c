@@ -7,6 +7,7 @@
 
 #include "core/bridge.h"
 #include "core/json.h"
+#include "core/maths.h"
 
 #include <limits.h>
 #include <math.h>
@@ -196,7 +197,7 @@ double gp_lens_index(double n, double v, double nm)
  * between them, as a share of the light. */
 static double of_layer(double r1, double r2, double twice)
 {
-    const double both = 2.0 * r1 * r2 * cos(twice);
+    const double both = 2.0 * r1 * r2 * gp_cos(twice);
     const double all = 1.0 + r1 * r1 * r2 * r2 + both;
     return all > 0.0 ? (r1 * r1 + r2 * r2 + both) / all : 1.0;
 }

@@ -4,6 +4,7 @@
 #include "sun/lens_priv.h"
 
 #include "core/colour.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 
@@ -169,8 +170,9 @@ static bool measure(const struct gp_lens_view *v,
     *apart = 0.0;
     box[0] = box[1] = (struct box) {INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (int e = 0; e < n; e++) {
-        *apart = gp_maxd(*apart, hypot(spot[e].x[last] - spot[e].x[0],
-                                    spot[e].y[last] - spot[e].y[0]) / pixel);
+        *apart = gp_maxd(*apart, gp_hypot(spot[e].x[last] - spot[e].x[0],
+                                          spot[e].y[last] - spot[e].y[0]) /
+                                     pixel);
         widen(it, &spot[e], 0, &box[0]);
         widen(it, &spot[e], 1, &box[1]);
     }

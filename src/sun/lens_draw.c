@@ -5,6 +5,7 @@
 
 #include "core/colour.h"
 #include "core/luminance.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -252,14 +253,15 @@ static gp_status trace_item(void *ctx, int i, int thread)
     const struct glarepp_ghost *const g = &d->ghost[rank->ghost];
     const double x = (light->x - gp_rect_middle(v->display, 0)) * v->mm[0];
     const double y = (light->y - gp_rect_middle(v->display, 1)) * v->mm[1];
-    const double away = hypot(x, y);
+    const double away = gp_hypot(x, y);
     const double turn[2] = {away > 0.0 ? x / away : 1.0,
                             away > 0.0 ? y / away : 0.0};
     struct gp_lens_path path;
     (void) thread;
     *it = (struct gp_lens_item) {
-        .u = away / d->scale, .level = -1,
-        .blades = gp_lens_blades_of(d->lens, atan2(turn[1], turn[0])),
+        .u = away / d->scale,
+        .level = -1,
+        .blades = gp_lens_blades_of(d->lens, gp_atan2(turn[1], turn[0])),
         .along = {turn[0] / v->mm[0], turn[1] / v->mm[1]},
         .aside = {-turn[1] / v->mm[0], turn[0] / v->mm[1]},
         .middle = {gp_rect_middle(v->display, 0) - v->frame.x0,

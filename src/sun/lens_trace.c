@@ -5,6 +5,7 @@
 #include "sun/lens_priv.h"
 
 #include "core/cpu.h"
+#include "core/maths.h"
 #include "core/memory.h"
 
 #include <math.h>
@@ -245,10 +246,10 @@ struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
         // counter-clockwise as seen, where y points down
         const double a = (2.0 * i + 1.0) * M_PI / b.n -
                          lens->turn * M_PI / 180.0 - angle;
-        b.normal[i][0] = cos(a);
-        b.normal[i][1] = sin(a);
+        b.normal[i][0] = gp_cos(a);
+        b.normal[i][1] = gp_sin(a);
     }
-    b.apothem = b.n ? cos(M_PI / b.n) : 0.0;
+    b.apothem = b.n ? gp_cos(M_PI / b.n) : 0.0;
     return b;
 }
 
@@ -480,8 +481,8 @@ static double bend_of(const struct gp_lens_mesh *m,
                 const struct gp_lens_hit *const a = at - beside;
                 const struct gp_lens_hit *const b = at + beside;
                 if (passes(a) && passes(at) && passes(b))
-                    bend = fmax(bend, hypot(at->x - 0.5 * (a->x + b->x),
-                                            at->y - 0.5 * (a->y + b->y)));
+                    bend = fmax(bend, gp_hypot(at->x - 0.5 * (a->x + b->x),
+                                               at->y - 0.5 * (a->y + b->y)));
             }
         }
     }

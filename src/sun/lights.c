@@ -3,6 +3,7 @@
 
 #include "core/memory.h"
 #include "core/json.h"
+#include "core/maths.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -132,7 +133,7 @@ static void see(const struct glarepp_light *spec, const struct gp_camera *c,
     const double distance = lamp ? gp_v3_length(to) : INFINITY;
     double degrees = spec->degrees;
     if (ball)
-        degrees = 360.0 / M_PI * asin(fmin(spec->ball / distance, 1.0));
+        degrees = 360.0 / M_PI * gp_asin(fmin(spec->ball / distance, 1.0));
     else if (!sized)
         degrees = distance > 0.0
                       ? gp_camera_disc_degrees(c, display, along, l->radius)

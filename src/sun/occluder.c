@@ -5,6 +5,7 @@
 #include "sun/occluder.h"
 
 #include "core/cpu.h"
+#include "core/maths.h"
 #include "core/minmax.h"
 
 #include <math.h>
@@ -181,10 +182,10 @@ static bool add_edge(double r, struct point a, struct point b, double *twice)
                                 : b;
     const struct point q = {a.x + t * d.x, a.y + t * d.y};
     // products of large numbers would cancel: angles go by the way on the edge
-    *twice += r * r * atan2((some ? s : length) * away, dot(a, p));
+    *twice += r * r * gp_atan2((some ? s : length) * away, dot(a, p));
     if (some)
-        *twice += away * (t - s) +
-                  r * r * atan2((length - t) * away, dot(q, b));
+        *twice +=
+            away * (t - s) + r * r * gp_atan2((length - t) * away, dot(q, b));
     return some;
 }
 

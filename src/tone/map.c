@@ -6,6 +6,7 @@
 #include "core/colour.h"
 #include "core/cpu.h"
 #include "core/luminance.h"
+#include "core/maths.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 
@@ -85,7 +86,7 @@ static void measure_peak(void *ctx, int band, int thread)
 float gp_tone_scale(const struct glarepp_tone_params *p,
                     const struct gp_image *f)
 {
-    double scale = exp2((double) p->exposure);
+    double scale = gp_exp2((double) p->exposure);
     if (p->auto_exposure) {
         double average = gp_log_average(f, &f->lit);
         scale *= average > 0.0 ? (double) p->key / average : 1.0;

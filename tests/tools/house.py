@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Checks the rules of the house: includes between rooms, circles of calls, tags,
-private headers, sizes, licences, globals, subjects of commits.
+private headers, sizes, licences, globals, inexact functions,
+subjects of commits.
 
 Usage: house.py ROOT BUILD     BUILD must have its objects
 
@@ -45,6 +46,12 @@ SIZES = {  # path below src: reason
     "glare/kernel_rows.c": "sums that the kernel and fft take in one order",
     "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",
 }
+# Rooms that measure, whose figures may differ between processors: the others make
+# light, and take elementary functions from core/maths.h.
+MEASURING = ("bench/", "compare/", "glare/fft/")
+INEXACT = re.compile(
+    r"(sincos|a?(sin|cos|tan)h?|atan2|exp(2|10|m1)?|log(2|10|1p)?|pow|hypot|cbrt|"
+    r"erfc?|[jy][01n]|[lt]gamma|fma|c(abs|arg|exp|log|pow|sqrt))[fl]?")
 LICENCE = "SPDX-License-Identifier: Apache-2.0"
 COMMENTED = (".c", ".h", ".cpp", ".inc", ".glsl", ".frag", ".vert", ".py", ".sh", ".t",
              ".awk", ".yaml")
@@ -155,7 +162,7 @@ def check_licences():
 
 
 def symbols(files):
-    """For each .c: the gp_ symbols that it defines, and those it uses."""
+    """For each .c: the gp_ symbols that it defines, and all that it uses."""
     defined, taken = {}, {}
     for path in files:
         if not path.endswith(".c"):
@@ -167,8 +174,10 @@ def symbols(files):
         for line in out.splitlines():
             *_, kind, name = line.split()
             name = name.split(".")[0]
-            if name.startswith("gp_"):
-                (taken if kind == "U" else defined)[path].add(name)
+            if kind == "U":
+                taken[path].add(name)
+            elif name.startswith("gp_"):
+                defined[path].add(name)
     return defined, taken
 
 
@@ -214,6 +223,14 @@ def check_globals(files, defined, taken):
                                  "make it static")
 
 
+def check_maths(taken):
+    for path, names in taken.items():
+        for name in sorted(names):
+            if not path.startswith(MEASURING) and INEXACT.fullmatch(name):
+                fault("maths", f"{path} calls {name}(), whose bits depend on "
+                               "the processor; take core/maths.h")
+
+
 def check_subjects():
     log = subprocess.run(["git", "-C", ROOT, "log", "--format=%s",
                           f"{SINCE}..HEAD"], capture_output=True, text=True)
@@ -235,6 +252,7 @@ def main():
     defined, taken = symbols(files)
     check_circles(defined, taken)
     check_globals(files, defined, taken)
+    check_maths(taken)
     check_subjects()
     return broken > 0
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Applying a far field: light to the coarse grid, a convolution, and back. */
 #include "core/cpu.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -67,13 +68,14 @@ static struct keeping keep_of(double f)
 {
     enum { IMAGES = 4 };
     static const double EDGE = 0.45;
-    const double pi = acos(-1.0);
     struct keeping k = {
-        .own = (2.0 + cos(2.0 * pi * f)) / 3.0, .edge = fabs(f) > EDGE,
+        .own = (2.0 + gp_cos(2.0 * M_PI * f)) / 3.0,
+        .edge = fabs(f) > EDGE,
     };
     for (int m = -IMAGES; m <= IMAGES; m++) {
-        const double a = pi * (f + m);
-        const double s = a == 0.0 ? 1.0 : sin(pi * f) / a; // up to its sign
+        const double a = M_PI * (f + m);
+        // up to its sign
+        const double s = a == 0.0 ? 1.0 : gp_sin(M_PI * f) / a;
         const double v = s * s * s * s / k.own;
         k.kept = m == 0 ? v : k.kept;
         k.sum += v;

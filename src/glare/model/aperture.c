@@ -70,7 +70,7 @@ static void stain_row(const struct stain *s, int n, const struct gp_pupil *p,
 static void stain_lashes(int n, double radius, double turn, uint64_t seed,
                          struct stain *out)
 {
-    const double cosine = cos(turn), sine = sin(turn);
+    const double cosine = gp_cos(turn), sine = gp_sin(turn);
     for (int k = 0; k < n; k++) {
         const uint64_t key = 8 * (uint64_t) k;
         // from the lid's edge, an arc above, downwards and outwards
@@ -85,8 +85,8 @@ static void stain_lashes(int n, double radius, double turn, uint64_t seed,
             struct stain *const s = &out[k * LASH_STAINS + i];
             const double at = (double) i / LASH_STAINS;
             const double angle = lean + curl * at;
-            const double end[2] = {x + length / LASH_STAINS * sin(angle),
-                                   y + length / LASH_STAINS * cos(angle)};
+            const double end[2] = {x + length / LASH_STAINS * gp_sin(angle),
+                                   y + length / LASH_STAINS * gp_cos(angle)};
             const double px[2] = {x, end[0]}, py[2] = {y, end[1]};
             for (int e = 0; e < 2; e++) {
                 s->x[e] = radius * (cosine * px[e] + sine * py[e]);
@@ -103,45 +103,15 @@ static void stain_lashes(int n, double radius, double turn, uint64_t seed,
 
 // -- gratings -----------------------------------------------------------------
 
-/* The angle of (x, y) in turns, in [-0.5, 0.5]: 1e-11 of a turn. */
-static inline double turns_of(double x, double y)
-{
-    static const double BEND = 0.41421356237309505; // tan(pi / 8)
-    const double a = fabs(x), b = fabs(y);
-    const double most = a > b ? a : b, least = a > b ? b : a;
-    const bool wide = least > BEND * most;
-    const double z = (wide ? least - most : least) /
-                     (wide ? least + most : most);
-    const double q = z * z;
-    // the arc tangent's series
-    const double s = z * (1.0 + q * (-1.0 / 3 + q * (1.0 / 5 +
-        q * (-1.0 / 7 + q * (1.0 / 9 + q * (-1.0 / 11 + q * (1.0 / 13 +
-        q * (-1.0 / 15 + q * (1.0 / 17 + q * (-1.0 / 19 + q * (1.0 / 21 -
-        q / 23)))))))))));
-    const double eighth = s / (2.0 * M_PI) + (wide ? 0.125 : 0.0);
-    const double quarter = a > b ? eighth : 0.25 - eighth;
-    const double half = x < 0.0 ? 0.5 - quarter : quarter;
-    return y < 0.0 ? -half : half;
-}
-
 /* Writes 0.5 + 0.5 cos(fibres (a - turn)) of the cells of row y in a pupil of
- * n x n, n even: off by at most 1e-9 times the fibres, which are whole. Angles a
- * are counter-clockwise as seen. */
+ * n x n, n even. Angles a are counter-clockwise as seen. */
 GP_CLONES static void grating_row(int n, int y, double turn, double fibres,
                                   float *row)
 {
-    static const double ROUND = 0x1.8p52; // added, leaves whole numbers
-    const double middle = 0.5 * n - 0.5, v = middle - y;
-    const double start = turn / (2.0 * M_PI);
+    const double middle = 0.5 * n - 0.5;
     for (int x = 0; x < n; x++) {
-        const double turns = fibres * (turns_of(x - middle, v) - start);
-        const double z = M_PI * (turns - ((turns + ROUND) - ROUND));
-        const double q = z * z;
-        // of half the angle, within pi / 2: Taylor's series, to 1e-9
-        const double s = z * (1.0 + q * (-1.0 / 6 + q * (1.0 / 120 +
-            q * (-1.0 / 5040 + q * (1.0 / 362880 +
-            q * (-1.0 / 39916800 + q / 6227020800.0))))));
-        row[x] = (float) (1.0 - s * s);
+        const double a = gp_atan2(middle - y, x - middle);
+        row[x] = (float) (0.5 + 0.5 * gp_cos(fibres * (a - turn)));
     }
 }
 
@@ -246,7 +216,7 @@ static double square_share(double inside, double a, double b)
 /* The open share of a cell around (x, y), by the nearest blade. */
 static double opening(const struct iris *s, double x, double y, double cell)
 {
-    const double r = hypot(x, y);
+    const double r = gp_hypot(x, y);
     if (r < s->inner - cell)
         return 1.0;
     if (r > 1.0 + cell)
@@ -254,7 +224,7 @@ static double opening(const struct iris *s, double x, double y, double cell)
     double best = (1.0 - r) / cell, normal[2] = {x / r, y / r};
     for (int i = 0; i < s->blades; i++) {
         const double dx = x - s->centre[i][0], dy = y - s->centre[i][1];
-        const double away = hypot(dx, dy), inside = (s->bend - away) / cell;
+        const double away = gp_hypot(dx, dy), inside = (s->bend - away) / cell;
         if (inside < best) {
             best = inside;
             normal[0] = dx / away;
@@ -309,7 +279,7 @@ static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
 {
     const struct iris *const s = ctx;
     const double cell = p->cell / s->radius, middle = 0.5 * p->n;
-    const double cosine = cos(s->turn), sine = sin(s->turn);
+    const double cosine = gp_cos(s->turn), sine = gp_sin(s->turn);
     const size_t row = (size_t) y * (size_t) p->n;
     if (s->grating > 0.0)
         grating_row(p->n, y, s->turn, s->fibres, p->t + row);
@@ -320,9 +290,9 @@ static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
         const double u = cosine * px - sine * py, v = sine * px + cosine * py;
         double t = s->mask ? mask_share(s->mask, u, v, cell)
                            : opening(s, px, py, cell);
-        const double r = hypot(px, py);
+        const double r = gp_hypot(px, py);
         if (t > 0.0 && s->obstruction > 0.0 && r < s->obstruction + cell &&
-            fabs(atan2(-v, u)) <= s->arc)
+            fabs(gp_atan2(-v, u)) <= s->arc)
             t *= square_share((r - s->obstruction) / cell, px / r, py / r);
         if (t > 0.0 && s->grating > 0.0 && r > 0.6) {
             const double from = fmin((r - 0.6) / 0.2, 1.0);
@@ -346,8 +316,9 @@ static void add_dust(struct iris *s, int n, uint64_t seed)
         const double r = s->radius * sqrt(gp_model_random(seed, key));
         const double a = 2.0 * M_PI * gp_model_random(seed, key + 1) + s->turn;
         // most grains are small
-        const double size = 0.004 * pow(8.0, gp_model_random(seed, key + 2));
-        const double x = r * cos(a), y = -r * sin(a), wide = s->radius * size;
+        const double size = 0.004 * gp_pow(8.0, gp_model_random(seed, key + 2));
+        const double x = r * gp_cos(a), y = -r * gp_sin(a);
+        const double wide = s->radius * size;
         s->stain[s->stains++] = (struct stain) {
             {x, x}, {y, y}, {wide, wide},
             0.5 + 0.5 * gp_model_random(seed, key + 3)};
@@ -366,8 +337,8 @@ static void add_scratches(struct iris *s, int n, uint64_t seed)
         const double thick = 0.001 + 0.002 * gp_model_random(seed, key + 4);
         for (int e = 0; e < 2; e++) {
             const double at = (e - 0.5) * length;
-            one->x[e] = s->radius * (r * cos(a) + at * cos(b));
-            one->y[e] = -s->radius * (r * sin(a) + at * sin(b));
+            one->x[e] = s->radius * (r * gp_cos(a) + at * gp_cos(b));
+            one->y[e] = -s->radius * (r * gp_sin(a) + at * gp_sin(b));
             one->radius[e] = s->radius * thick;
         }
         one->hides = 0.3 + 0.7 * gp_model_random(seed, key + 5);
@@ -439,14 +410,14 @@ static void make_blades(struct iris *s, double roundness)
     const double half = M_PI / s->blades;
     // nearly straight where roundness is 0
     s->bend = 1.0 / fmax(roundness, 1e-6);
-    const double off = sqrt(s->bend * s->bend - sin(half) * sin(half)) -
-                       cos(half);
+    const double off =
+        sqrt(s->bend * s->bend - gp_sin(half) * gp_sin(half)) - gp_cos(half);
     for (int i = 0; i < s->blades; i++) {
         const double a = s->turn + (2 * i + 1) * half;
-        s->centre[i][0] = -off * cos(a);
-        s->centre[i][1] = off * sin(a);
+        s->centre[i][0] = -off * gp_cos(a);
+        s->centre[i][1] = off * gp_sin(a);
     }
-    s->inner = cos(half);
+    s->inner = gp_cos(half);
 }
 
 static double aperture_pupil(const struct gp_recipe *r,
@@ -495,21 +466,27 @@ static gp_status open_aperture(const struct gp_log *log,
         steep += fabs(s->path[j]) * steepest_slope(j);
     }
     // a mask's corners, turned
-    const double wide = mask ? fabs(cos(s->turn)) + fabs(sin(s->turn)) : 1.0;
+    const double wide =
+        mask ? fabs(gp_cos(s->turn)) + fabs(gp_sin(s->turn)) : 1.0;
     const struct gp_diffraction d = {
         .name = mask && mask->path ? mask->path : "aperture",
-        .diameter = 2.0 * s->radius * wide, .corners = mask != NULL,
+        .diameter = 2.0 * s->radius * wide,
+        .corners = mask != NULL,
         .reach = gp_recipe_value(r, "reach"),
         .sampled = 0.25, // a spike is some 100 times as bright as its sides
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),
-        .steep = steep / s->radius, .draw = draw_iris, .ctx = s,
-        .blades = {
-            .n = mask ? 0 : blades,
-            .turn = s->turn + (blades ? M_PI / blades : 0.0),
-            .length = 2.0 * s->radius * (blades ? sin(M_PI / blades) : 0.0),
-            .bend = s->radius * s->bend,
-        },
+        .steep = steep / s->radius,
+        .draw = draw_iris,
+        .ctx = s,
+        .blades =
+            {
+                .n = mask ? 0 : blades,
+                .turn = s->turn + (blades ? M_PI / blades : 0.0),
+                .length =
+                    2.0 * s->radius * (blades ? gp_sin(M_PI / blades) : 0.0),
+                .bend = s->radius * s->bend,
+            },
     };
     st = gp_diffract(log, &d, f, out);
     gp_free(s);
@@ -530,12 +507,14 @@ const struct gp_model gp_model_aperture = {
 
 double gp_pupil_moon_spencer(double nits)
 {
-    return 4.9 - 3.0 * tanh(0.4 * log10(nits) - 0.00114);
+    // 1 - 2 / (1 + exp(2 x)) is the hyperbolic tangent
+    const double x = 0.4 / M_LN10 * gp_log(nits) - 0.00114;
+    return 1.9 + 6.0 / (1.0 + gp_exp(2.0 * x));
 }
 
 double gp_pupil_watson(double nits, double area, double age)
 {
-    const double flux = pow(nits * area / 846.0, 0.41);
+    const double flux = gp_pow(nits * area / 846.0, 0.41);
     const double young = 7.75 - 5.75 * flux / (flux + 2.0);
     return young + (age - 28.58) * (0.02132 - 0.009562 * young);
 }
@@ -625,9 +604,10 @@ static void add_particles(struct eye *e, int n, double t, uint64_t seed)
         const double r = 0.5 * PUPIL_MOST * sqrt(gp_model_random(seed, key));
         const double a = 2.0 * M_PI * gp_model_random(seed, key + 1) + e->turn +
                          (floats ? 0.3 * noise(0.4 * t, seed + 1) : 0.0);
-        const double size = 0.012 * pow(4.0, gp_model_random(seed, key + 2));
+        const double size = 0.012 * gp_pow(4.0, gp_model_random(seed, key + 2));
         const double shift = 0.05 * noise(t, seed + 2 + (floats ? 1 : 0));
-        const double x = r * cos(a) + shift, y = -r * sin(a) + 0.5 * shift;
+        const double x = r * gp_cos(a) + shift;
+        const double y = -r * gp_sin(a) + 0.5 * shift;
         e->stain[e->stains++] = (struct stain) {
             {x, x}, {y, y}, {size, size},
             0.3 + 0.7 * gp_model_random(seed, key + 3)};
@@ -691,14 +671,14 @@ static gp_status open_temporal(const struct gp_log *log,
         return st;
     e->radius = 0.5 * temporal_pupil(r, f);
     e->turn = f->rotate * M_PI / 180.0;
-    e->right[0] = cos(e->turn);
-    e->right[1] = sin(e->turn);
+    e->right[0] = gp_cos(e->turn);
+    e->right[1] = gp_sin(e->turn);
     for (int i = 0; i < 2 * WAVES; i++)
         e->edge[i / 2][i % 2] =
             0.012 * (gp_model_random(seed + 7, (uint64_t) i) - 0.5);
     e->shut = EDGE;
     for (int i = 0; i < WAVES; i++)
-        e->shut -= hypot(e->edge[i][0], e->edge[i][1]);
+        e->shut -= gp_hypot(e->edge[i][0], e->edge[i][1]);
     e->grating = gp_recipe_value(r, "grating");
     e->fibres = floor(gp_recipe_value(r, "fibres"));
     add_particles(e, (int) (PARTICLES * gp_recipe_value(r, "particles")), t,

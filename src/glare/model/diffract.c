@@ -98,7 +98,7 @@ static void store_samples(const void *ctx, int c, int j, int thread,
     (void) c;
     (void) thread;
     for (int x = f->first == 0 && y == 0 ? 0 : -rx; x <= rx; x++) {
-        const double at = hypot(f->pixel[0] * x, f->pixel[1] * y);
+        const double at = gp_hypot(f->pixel[0] * x, f->pixel[1] * y);
         const double window = across * gp_sinc((double) x / n);
         const double v = (double) z[x < 0 ? x + n : x] * fade(at, f->fades) /
                          (all * window * window);
@@ -218,11 +218,11 @@ struct joined {
 static double left_at(double t, double from, double reach)
 {
     static const double STEEP = 5.5, SOFT = 0.3, LAST = 0.4;
-    const double u = log(t / from);
+    const double u = gp_log(t / from);
     if (!(u > 0.0))
         return 1.0;
     const double fall = u < SOFT ? u * u / (2.0 * SOFT) : u - 0.5 * SOFT;
-    return exp(-STEEP * fall) * gp_smoothstep((1.0 - t / reach) / LAST);
+    return gp_exp(-STEEP * fall) * gp_smoothstep((1.0 - t / reach) / LAST);
 }
 
 // -- spikes -------------------------------------------------------------------
@@ -248,7 +248,7 @@ static double tents_up_to(double z, double a, double b)
 static void spikes_at(const struct spikes *k, const double pixel[2], double x,
                       double y, int channels, double out[3])
 {
-    const double t = hypot(x, y), at = atan2(y, x);
+    const double t = gp_hypot(x, y), at = gp_atan2(y, x);
     // the pixel's square, as boxes along its sides seen along the spike
     const double a = pixel[0] * fabs(y) / t, b = pixel[1] * fabs(x) / t;
     const double wide = fmax(a, b), thin = fmin(a, b);
@@ -299,11 +299,10 @@ static void taking_over(const void *ctx, double t, double out[3])
     out[1] = share * spikes_left(&s->spikes, t) / (2.0 * GP_PI * t * t * t);
 }
 
-/* Degrees; much faster than hypot(). */
+/* Degrees. */
 static inline double distance(const struct joined *s, int x, int y)
 {
-    const double u = s->pixel[0] * x, v = s->pixel[1] * y;
-    return sqrt(u * u + v * v);
+    return gp_hypot(s->pixel[0] * x, s->pixel[1] * y);
 }
 
 /* Fades the samples of n pixels, and adds what takes over: spikes and mean. */
@@ -314,7 +313,7 @@ static void take_over(const struct joined *s, int x, int y, int n,
     double strip[GP_SHAPE_STRIP] = {0};
     double *const far[3] = {strip, NULL, NULL};
     const int last = gp_max(abs(x), abs(x + n - 1));
-    if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) > s->from))
+    if (!(distance(s, last, y) > s->from))
         return;
     s->far.row(s->far.state, x, y, n, far);
     for (int i = 0; i < n; i++) {
@@ -381,7 +380,8 @@ struct directions {
 /* Direction of an offset, in steps of TURN. */
 static int direction(const struct joined *s, int x, int y)
 {
-    const double turns = atan2(s->pixel[1] * y, s->pixel[0] * x) / (2 * GP_PI);
+    const double turns =
+        gp_atan2(s->pixel[1] * y, s->pixel[0] * x) / (2 * GP_PI);
     return (int) (TURN * (turns + 1.0) + 0.5) % TURN;
 }
 
@@ -474,12 +474,12 @@ static struct spikes spikes_of(const struct gp_diffraction *d, double reach)
     if (!k.n)
         return k;
     k.turn = -b->turn;
-    k.fan = asin(fmin(0.5 * b->length / b->bend, 1.0));
+    k.fan = gp_asin(fmin(0.5 * b->length / b->bend, 1.0));
     k.from = d->sampled * d->reach;
     k.reach = d->reach;
     for (int c = 0; c < 3; c++) {
         const double mm = 1e-6 * (d->nm > 0.0 ? d->nm : waves[c]);
-        k.width[c] = hypot(mm / b->length, 1e-6 * d->steep) / degree;
+        k.width[c] = gp_hypot(mm / b->length, 1e-6 * d->steep) / degree;
         k.soft[c] = 0.5 * mm / b->bend / degree;
     }
     return k;
@@ -580,7 +580,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     struct gp_shape shape = {0};
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
-    const double corner = hypot(pixel[0] * f->w, pixel[1] * f->h);
+    const double corner = gp_hypot(pixel[0] * f->w, pixel[1] * f->h);
     p.n = cells_of(d, fmin(d->reach, corner / d->sampled));
     p.cell = d->diameter / (p.n - 4);
     const double resolved = (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell *

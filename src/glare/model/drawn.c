@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Models by plain formulas: blurs, halation, discs and rings; and an image, as
  * one of several recipes: a lens' measured or painted picture of a point. */
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/model/model_priv.h"
@@ -18,24 +19,19 @@ struct gaussian {
     double sigma_x, sigma_y; // pixels
 };
 
-/* The second integral of the normal density of width 1, from the right. */
-static double second_integral(double z)
-{
-    return exp(-0.5 * z * z) / sqrt(2.0 * M_PI) - 0.5 * z * erfc(sqrt(0.5) * z);
-}
-
 /* The share of pixel x, x >= 0, of light that is even over pixel 0. */
 static double normal_share(double x, double sigma)
 {
     const struct gp_gauss *const g = gp_tent_rule(6);
     double sum = 0.0;
     if (sigma < 30.0)
-        return fmax(sigma * (second_integral((x + 1.0) / sigma) -
-                             2.0 * second_integral(x / sigma) +
-                             second_integral((x - 1.0) / sigma)), 0.0);
+        return fmax(sigma * (gp_normal_twice((x + 1.0) / sigma) -
+                             2.0 * gp_normal_twice(x / sigma) +
+                             gp_normal_twice((x - 1.0) / sigma)),
+                    0.0);
     for (int i = 0; i < g->n; i++) { // differences would lose their digits
         const double z = (x + g->node[i]) / sigma;
-        sum += g->weight[i] * exp(-0.5 * z * z);
+        sum += g->weight[i] * gp_exp(-0.5 * z * z);
     }
     return sum / (sqrt(2.0 * M_PI) * sigma);
 }
@@ -58,8 +54,7 @@ static const struct gp_model_key gaussian_keys[] = {
 static gp_status open_gaussian(const struct gp_log *log,
     const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
 {
-    const double sigma =
-        gp_recipe_value(r, "fwhm") / (2.0 * sqrt(2.0 * log1p(1.0)));
+    const double sigma = gp_recipe_value(r, "fwhm") / (2.0 * sqrt(2.0 * M_LN2));
     struct gaussian *g;
     gp_status st = gp_alloc(log, "kernel", 1, sizeof *g, &g);
     if (st)
@@ -94,7 +89,7 @@ struct moffat {
 static void moffat_profile(const void *ctx, double t, double out[3])
 {
     const struct moffat *const m = ctx;
-    out[0] = m->factor * pow(1.0 + t * t / (m->a * m->a), -m->beta);
+    out[0] = m->factor * gp_pow(1.0 + t * t / (m->a * m->a), -m->beta);
 }
 
 static const struct gp_model_key moffat_keys[] = {
@@ -109,7 +104,8 @@ static gp_status open_moffat(const struct gp_log *log,
     const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
 {
     struct moffat m = {.beta = gp_recipe_value(r, "beta")};
-    m.a = gp_recipe_value(r, "fwhm") / (2.0 * sqrt(exp2(1.0 / m.beta) - 1.0));
+    m.a =
+        gp_recipe_value(r, "fwhm") / (2.0 * sqrt(gp_exp2(1.0 / m.beta) - 1.0));
     m.factor = (m.beta - 1.0) / (M_PI * m.a * m.a);
     gp_status st = gp_radial_shape(log, moffat_profile, &m, 1, 4.0 * m.a, f,
                                    out);
@@ -150,22 +146,22 @@ struct halation {
     double factor; // that makes the luminance 1
 };
 
-/* Scale on which the ring's edge rises, share of its radius: half of the
+/* Scale on which the ring's edge rises, share of its radius: a quarter of the
  * emulsion's thickness, which in colour film is 0.02 to 0.03 mm, a fifth of the
  * base. */
-#define SOFT 0.1
+#define SOFT 0.05
 
 static void halation_profile(const void *ctx, double t, double out[3])
 {
     const struct halation *const h = ctx;
     const double r = t / h->across;
     const double along = sqrt(1.0 + r * r); // 1 / cos w
-    const double edge = 0.5 + 0.5 * tanh((r / h->ring - 1.0) / SOFT);
+    const double edge = 1.0 / (1.0 + gp_exp((1.0 - r / h->ring) / SOFT));
     const double back = h->faint + (1.0 - h->faint) * edge;
-    const double light = h->factor * back /
-                         (M_PI * h->across * h->across * pow(along, 4.0));
+    const double sheet = h->across * (1.0 + r * r);
+    const double light = h->factor * back / (M_PI * sheet * sheet);
     for (int c = 0; c < 3; c++)
-        out[c] = light * pow(h->pass[c], along);
+        out[c] = light * gp_pow(h->pass[c], along);
 }
 
 /* The usual film has a base of cellulose triacetate, 5 mils thick, n = 1.48;
@@ -244,9 +240,9 @@ static void radial_row(const void *state, int x, int y, int n,
     for (int i = 0; i < n; i++) {
         double sum[3] = {0};
         const double u = a * abs(x + i), v0 = b * abs(y);
-        for (int k = 0; k < g->n * g->n && hypot(u, v0) < end; k++) {
+        for (int k = 0; k < g->n * g->n && gp_hypot(u, v0) < end; k++) {
             const int p = k % g->n, q = k / g->n;
-            const double t = hypot(u + a * g->node[p], v0 + b * g->node[q]);
+            const double t = gp_hypot(u + a * g->node[p], v0 + b * g->node[q]);
             const double at = fmin(t / r->step, r->n);
             const int s = (int) at;
             for (int c = 0; c < channels; c++)
@@ -331,9 +327,9 @@ struct disc {
 static void disc_value(const void *ctx, double t, double out[3])
 {
     const struct disc *const d = ctx;
-    const double radii = t / d->radius;
+    const double radii = fmin(t / d->radius, 1.0), q = radii * radii;
     out[0] = gp_smoothstep((d->radius - t) / d->soft + 0.5) *
-             (1.0 + d->rim * pow(fmin(radii, 1.0), 8.0));
+             (1.0 + d->rim * q * q * q * q);
 }
 
 /* A lamp keeps its light in a picture: 0.4 % of that of 3 pixels is a faint disc
@@ -380,30 +376,50 @@ struct halo {
     const float *luminance;   // of the primaries; borrowed
 };
 
-/* One wavelength's light t degrees away. */
-static double halo_band(const struct halo *h, double nm, double t)
+/* 2 J1(x) / x within 1e-11: Abramowitz and Stegun 9.1.10, and 9.2.5 from 12
+ * on. */
+static double airy(double x)
 {
-    const double place = t / h->end;
-    double sum = 0.0;
-    for (int k = 0; k < DROPS; k++) {
-        const double at = 2.0 * k / (DROPS - 1) - 1.0;
-        const double size = h->size * (1.0 + h->spread * at) * 550.0 / nm;
-        const double x = size * sin(t * M_PI / 180.0);
-        const double airy = x > 1e-4 ? 2.0 * j1(x) / x : 1.0;
-        sum += (1.0 - 0.75 * at * at) * size * size * airy * airy;
+    double term = 1.0, sum = 1.0, part[2] = {1.0, 0.0};
+    for (int k = 1; k < 32 && x < 12.0; k++) {
+        term *= -0.25 * x * x * (1.0 / (k * (k + 1.0)));
+        sum += term;
     }
-    return sum * pow(fmax(1.0 - place * place, 0.0), 6.0);
+    if (x < 12.0)
+        return sum;
+    for (int k = 1; k < 20; k++) {
+        term *= (4.0 - (2.0 * k - 1.0) * (2.0 * k - 1.0)) / (8.0 * k * x);
+        part[k % 2] += k % 4 < 2 ? term : -term;
+    }
+    const double c = gp_cos(x), s = gp_sin(x);
+    return 2.0 / (x * sqrt(M_PI * x)) * (part[0] * (s - c) + part[1] * (s + c));
+}
+
+/* The light of each wavelength t degrees away. */
+static void halo_bands(const struct halo *h, double t, double out[BANDS])
+{
+    const double place = t / h->end, q = fmax(1.0 - place * place, 0.0);
+    const double left = q * q * q * q * q * q, sine = gp_sin(t * M_PI / 180.0);
+    for (int i = 0; i < BANDS; i++) {
+        out[i] = 0.0;
+        for (int k = 0; k < DROPS; k++) {
+            const double at = 2.0 * k / (DROPS - 1) - 1.0;
+            const double size =
+                h->size * (1.0 + h->spread * at) * 550.0 / h->nm[i];
+            const double v = size * airy(size * sine);
+            out[i] += left * (1.0 - 0.75 * at * at) * v * v;
+        }
+    }
 }
 
 static void halo_value(const void *ctx, double t, double out[3])
 {
     const struct halo *const h = ctx;
+    double v[BANDS];
+    halo_bands(h, t, v);
     out[0] = out[1] = out[2] = 0.0;
-    for (int i = 0; i < BANDS; i++) {
-        const double v = halo_band(h, h->nm[i], t);
-        for (int c = 0; c < 3; c++)
-            out[c] += h->rgb[i][c] * v;
-    }
+    for (int i = 0; i < 3 * BANDS; i++)
+        out[i % 3] += h->rgb[i / 3][i % 3] * v[i / 3];
     gp_gamut_fold(h->luminance, out);
 }
 
@@ -412,14 +428,14 @@ static void halo_value(const void *ctx, double t, double out[3])
 static void even_bands(struct halo *h)
 {
     enum { STEPS = 2000 };
-    for (int i = 0; i < BANDS; i++) {
-        double light = 0.0;
-        for (int k = 0; k < STEPS; k++)
-            light += (double) k / STEPS *
-                     halo_band(h, h->nm[i], h->end * k / STEPS);
-        for (int c = 0; c < 3; c++)
-            h->rgb[i][c] /= light;
+    double light[BANDS] = {0}, v[BANDS];
+    for (int k = 0; k < STEPS; k++) {
+        halo_bands(h, h->end * k / STEPS, v);
+        for (int i = 0; i < BANDS; i++)
+            light[i] += (double) k / STEPS * v[i];
     }
+    for (int i = 0; i < 3 * BANDS; i++)
+        h->rgb[i / 3][i % 3] /= light[i / 3];
 }
 
 static const struct gp_model_key ring_keys[] = {
@@ -436,8 +452,10 @@ static gp_status open_ring(const struct gp_log *log, const struct gp_recipe *r,
     const double first = 5.1356;
     const double radius = gp_recipe_value(r, "radius");
     struct halo h = {
-        .size = first / sin(radius * M_PI / 180.0), .end = fmin(5.0 * radius, 90.0),
-        .spread = gp_recipe_value(r, "spread"), .luminance = f->luminance,
+        .size = first / gp_sin(radius * M_PI / 180.0),
+        .end = fmin(5.0 * radius, 90.0),
+        .spread = gp_recipe_value(r, "spread"),
+        .luminance = f->luminance,
     };
     gp_spectrum_colours(f->chromaticities, BANDS, h.nm, h.rgb);
     even_bands(&h);

@@ -56,14 +56,14 @@ struct spencer {
 double gp_spencer_term(int i, double t, double nm)
 {
     const double a = t + 0.02, z = t / 0.02, r = 3.0 * nm / 568.0;
-    const double wide = hypot(HALO_WIDE, FIBRES * r), off = (t - r) / wide;
+    const double wide = gp_hypot(HALO_WIDE, FIBRES * r), off = (t - r) / wide;
     static const double degree = M_PI / 180.0;
-    return i == 0   ? 2.61e6 * exp(-z * z)
+    return i == 0   ? 2.61e6 * gp_exp(-z * z)
            : i == 1 ? CORONA / (a * a * a)
            : i == 2 ? CORONA_FAR / (a * a)
-                    : exp(-0.5 * off * off) / (2.0 * M_PI * r * wide *
-                                               sqrt(2.0 * M_PI) * degree *
-                                               degree);
+                    : gp_exp(-0.5 * off * off) /
+                          (2.0 * M_PI * r * wide * sqrt(2.0 * M_PI) * degree *
+                           degree);
 }
 
 /* f0 to f2, and in three channels f3, per steradian, folded into the primaries.
@@ -111,7 +111,7 @@ static void sky_in_plane(const void *sky, double t, double out[3])
     const struct sky *const s = sky;
     const double scale = (SKY - EVEN) * 2.0 / M_PI;
     const double x = fmax(t - EVEN, 0.0) / scale;
-    const double angle = x > 0.0 ? EVEN + scale * atan(x) : t;
+    const double angle = x > 0.0 ? EVEN + scale * gp_atan(x) : t;
     const double slope = 1.0 / (1.0 + x * x); // of the angle, by t
     s->p(s->ctx, angle, out);
     for (int c = 0; c < s->channels && slope < 1.0; c++)
@@ -244,13 +244,13 @@ static void make_circle(const struct gp_recipe *r, struct needling *out)
         const uint64_t key = 3 * (uint64_t) i;
         const double at = CIRCLE * gp_model_random(seed, key);
         // a few are strong, as of an exponential distribution
-        const double strength = -log(1.0 - gp_model_random(seed, key + 1));
+        const double strength = -gp_log(1.0 - gp_model_random(seed, key + 1));
         const double width = CIRCLE * (0.3 + gp_model_random(seed, key + 2)) *
                              0.35 / fmax(n, 32.0);
         const int reach = (int) ceil(4.0 * width);
         for (int k = -reach; k <= reach; k++) {
             const double z = (floor(at) + k + 0.5 - at) / width;
-            const double v = strength * exp(-0.5 * z * z) / width;
+            const double v = strength * gp_exp(-0.5 * z * z) / width;
             const int step = (((int) at + k) % CIRCLE + CIRCLE) % CIRCLE;
             sum[step + 1] += v;
             total += v;
@@ -313,7 +313,7 @@ static void add_pixel(const struct needling *m, int x, int y, double v[4])
                 tent > 0.0 ? a * g->weight[k] * tent * 2.0 * M_PI * ss / u *
                                  corona_at(m, sqrt(ss)) : 0.0;
             const double angle =
-                (steep ? atan2(u, w) : atan2(w, u)) / (2.0 * M_PI);
+                (steep ? gp_atan2(u, w) : gp_atan2(w, u)) / (2.0 * M_PI);
             const double slope = (light - before) / (angle - turns);
             const double at[4] = {angle, 0.5 - angle, 0.5 + angle, -angle};
             for (int q = 0; q < 4; q++) {
@@ -338,8 +338,8 @@ static void needle_row(void *ctx, int y, int thread)
     double sum = 0.0;
     (void) thread;
     for (int x = y > NEAR ? 0 : NEAR + 1; x <= m->rx; x++) {
-        const double nearest = hypot(m->a * fmax(x - 1.0, 0.0),
-                                     m->b * fmax(y - 1.0, 0.0));
+        const double nearest =
+            gp_hypot(m->a * fmax(x - 1.0, 0.0), m->b * fmax(y - 1.0, 0.0));
         if (nearest >= NEEDLE_END)
             break;
         double v[4] = {0};
@@ -365,8 +365,8 @@ static gp_status add_near(const struct gp_log *log, const struct needling *m,
     static const double RATIO = 0.1, STEP = 0.07, LEAST = 1e-4;
     struct gp_deposit d = {0};
     const double side = fmin(m->a, m->b);
-    const double end = fmin(NEEDLE_END,
-                            hypot(m->a * (NEAR + 1), m->b * (NEAR + 1)));
+    const double end =
+        fmin(NEEDLE_END, gp_hypot(m->a * (NEAR + 1), m->b * (NEAR + 1)));
     gp_status st = gp_deposit_make(log, 1, NEAR, NEAR, &d);
     if (st)
         return st;
@@ -380,8 +380,8 @@ static gp_status add_near(const struct gp_log *log, const struct needling *m,
             const double more =
                 m->first[(i + 1) * steps] - m->first[i * steps];
             const double angle = 2.0 * M_PI * ((i + 0.5) / angles + m->turn);
-            gp_deposit_add(&d, mid * (cos(angle) / m->a),
-                           mid * (-sin(angle) / m->b),
+            gp_deposit_add(&d, mid * (gp_cos(angle) / m->a),
+                           mid * (-gp_sin(angle) / m->b),
                            (const double[3]) {ring * more});
         }
         t = step < end - t ? t + step : end;

@@ -4,11 +4,11 @@
 #define GP_GLARE_MODEL_MODEL_PRIV_H
 
 #include "core/colour.h"
+#include "core/maths.h"
 #include "glare/fft/fft.h"
 #include "glare/model/model.h"
 
 #include <complex.h>
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -110,6 +110,10 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
 /* sin(t) / t of t degrees, times a square degree in steradians: makes light per
  * steradian light per square degree of the plane. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
+
+/* The second integral of the normal density of width 1, from the right: that of
+ * (t - z) times the density over t from z on. Within 1e-10 of its value. */
+double gp_normal_twice(double z);
 
 // -- quadrature.c: samples, and deposits ----------------------------------------
 
@@ -232,7 +236,7 @@ double gp_pupil_hippus(double p, double t, double strength, uint64_t seed);
 /* sin(pi x) / (pi x) */
 static inline double gp_sinc(double x)
 {
-    return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
+    return fabs(x) > 1e-8 ? gp_sin(GP_PI * x) / (GP_PI * x) : 1.0;
 }
 
 /* Spectra of a kernel: [c][block of GP_LANES x][y][x in it], x in [0, nx / 2],

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Rules of quadrature, and integrals of profiles over the plane. */
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/model/model_priv.h"
@@ -18,7 +19,7 @@ static void make_rules(void)
     for (int n = 1; n <= MOST_NODES; n++) {
         rules[n].n = n;
         for (int i = 0; i < n; i++) {
-            double x = cos(M_PI * (i + 0.75) / (n + 0.5)), slope = 1.0;
+            double x = gp_cos(M_PI * (i + 0.75) / (n + 0.5)), slope = 1.0;
             for (int step = 0; step < 8; step++) { // quadratic: 5 are enough
                 double p0 = 1.0, p1 = x;
                 for (int k = 2; k <= n; k++) {
@@ -108,12 +109,31 @@ const struct gp_gauss *gp_tent_rule(int n)
     return &tents[n];
 }
 
+/* exp(-z^2 / 2) u^2 P(2 u - 1), u = 1 / (1 + z / 4): P meets the rest at the
+ * roots of Chebyshev's polynomial. */
+double gp_normal_twice(double z)
+{
+    static const double P[] = {
+        0.0851988607739187, 0.12437925532171,   0.107561111057434,
+        0.0617296090612081, 0.0212302373236186, 1.52267423887e-3,
+        -2.23583394040e-3,  -7.4866086953e-4,   2.0491972817e-4,
+        1.4298381355e-4,    -2.523969745e-5,    -2.532331479e-5,
+        4.96602803e-6,      4.07749127e-6,      -1.07481319e-6,
+        -4.2180509e-7,      1.4000339e-7,
+    };
+    const double u = 1.0 / (1.0 + 0.25 * fabs(z)), x = 2.0 * u - 1.0;
+    double sum = 0.0;
+    for (int i = (int) (sizeof P / sizeof *P) - 1; i >= 0; i--)
+        sum = sum * x + P[i];
+    return gp_exp(-0.5 * z * z) * u * u * sum - fmin(z, 0.0);
+}
+
 double gp_plane_factor(double t)
 {
     const double radians = t * (M_PI / 180.0), degree = M_PI / 180.0;
     if (!(t < 90.0))
         return 0.0;
-    return degree * degree * (radians > 1e-4 ? sin(radians) / radians : 1.0);
+    return degree * degree * (radians > 1e-4 ? gp_sin(radians) / radians : 1.0);
 }
 
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
@@ -125,8 +145,8 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
     sum[0] = sum[1] = sum[2] = 0.0;
     for (int i = 0; i <= STEPS; i++) {
         const double low =
-            i > 0 ? least * pow(growth, (i - 1.0) / STEPS) : from;
-        const double high = least * pow(growth, (double) i / STEPS);
+            i > 0 ? least * gp_pow(growth, (i - 1.0) / STEPS) : from;
+        const double high = least * gp_pow(growth, (double) i / STEPS);
         for (int k = 0; k < g->n && high > low; k++) {
             const double t = 0.5 * (low + high) + (high - low) * g->node[k];
             double v[3];

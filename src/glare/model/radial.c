@@ -35,33 +35,20 @@ struct radial_table {
  * whose next terms are under 1 / FAR^4 of powers of the distance: 6e-8. */
 enum { FAR = 64 };
 
-static double of_bits(uint64_t bits)
-{
-    double v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
-
-static uint64_t bits_of(double v)
-{
-    uint64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits;
-}
-
 /* Adds weight times the value at the squared distance s; nothing past the
  * table's end. */
 static inline void add_table(const struct table *t, int channels, double s,
                              double weight, double sum[3])
 {
-    const uint64_t bits = bits_of(s);
+    const uint64_t bits = gp_bits_of_double(s);
     const int64_t i = (int64_t) (bits >> (52 - STEPS_LOG2)) -
                       (int64_t) t->first;
     if (i < 0 || i >= t->n)
         return;
     // the mantissa's rest is the place between two steps
     const uint64_t rest = bits << (12 + STEPS_LOG2) >> 12;
-    const double x = of_bits(rest | 0x3ff0000000000000u) - 1.0, y = 1.0 - x;
+    const double x = gp_double_with_bits(rest | 0x3ff0000000000000u) - 1.0;
+    const double y = 1.0 - x;
     for (int c = 0; c < channels; c++) {
         const double *const a =
             t->value + 2 * ((size_t) i * (size_t) channels + (size_t) c);
@@ -132,9 +119,10 @@ static gp_status make_table(const struct gp_log *log, int channels,
                             double least, double most, struct table *out)
 {
     const uint64_t shift = 52 - STEPS_LOG2;
-    const uint64_t last = bits_of(most * most) >> shift;
+    const uint64_t last = gp_bits_of_double(most * most) >> shift;
     struct table t = {
-        .first = bits_of(least * least) >> (shift + STEPS_LOG2) << STEPS_LOG2,
+        .first = gp_bits_of_double(least * least) >> (shift + STEPS_LOG2)
+                                                         << STEPS_LOG2,
     };
     t.n = last > t.first ? (int) (last - t.first) : 0;
     gp_status st = gp_alloc(log, "kernel", 2 * (size_t) channels,
@@ -159,9 +147,9 @@ static void add_circle(const struct gp_deposit *d, double u, double v,
     double from = 0.0;
     for (;;) {
         const double by_column =
-            column > 0 ? acos(fmin(column / u, 1.0)) : 0.5 * M_PI;
-        const double by_row = row <= rows ? asin(fmin(row / v, 1.0))
-                                          : 0.5 * M_PI;
+            column > 0 ? gp_acos(fmin(column / u, 1.0)) : 0.5 * M_PI;
+        const double by_row =
+            row <= rows ? gp_asin(fmin(row / v, 1.0)) : 0.5 * M_PI;
         const double to = fmin(by_column, by_row);
         const struct gp_gauss *const g = gp_gauss_rule(to - from > 0.5 ? 7 : 4);
         for (int k = 0; k < g->n && to > from; k++) {
@@ -170,7 +158,7 @@ static void add_circle(const struct gp_deposit *d, double u, double v,
             const double share = (to - from) * g->weight[k] / (2.0 * M_PI);
             const double arc[3] = {share * light[0], share * light[1],
                                    share * light[2]};
-            gp_deposit_add(d, u * cos(angle), v * sin(angle), arc);
+            gp_deposit_add(d, u * gp_cos(angle), v * gp_sin(angle), arc);
         }
         if (column <= 0 && row > rows)
             return;
@@ -214,7 +202,7 @@ static void add_rings(const struct gp_deposit *d, gp_profile p,
 static double ring_from(int i)
 {
     static const double LEAST = 1e-6, RATIO = 1.1;
-    return i > 0 ? LEAST * pow(RATIO, i - 1.0) : 0.0;
+    return i > 0 ? LEAST * gp_pow(RATIO, i - 1.0) : 0.0;
 }
 
 /* Fills pixels under two of the longer sides from the light; where pixels are
@@ -229,7 +217,7 @@ static gp_status make_near(const struct gp_log *log, gp_profile p,
     const int rx = (int) ceil(reach / a) - 1;
     const int ry = (int) ceil(reach / b) - 1;
     const size_t w = 2 * (size_t) rx + 1, n = w * (2 * (size_t) ry + 1);
-    const double end = hypot(a * (rx + 1), b * (ry + 1));
+    const double end = gp_hypot(a * (rx + 1), b * (ry + 1));
     gp_status st = gp_deposit_make(log, t->channels, rx, ry, &t->near);
     if (st)
         return st;
@@ -248,8 +236,8 @@ static double square_of(const struct table *t, int i, double *step)
 {
     static const uint64_t one = 1ull << (52 - STEPS_LOG2);
     const uint64_t bits = (t->first + (uint64_t) i) * one;
-    const double s = of_bits(bits);
-    *step = of_bits(bits + one) - s;
+    const double s = gp_double_with_bits(bits);
+    *step = gp_double_with_bits(bits + one) - s;
     return s;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Models of rays: stars, crosses and streaks as bundles of tapered strands. */
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -58,13 +59,6 @@ static double along(const struct rays *r, int c, double t)
                                                     r->curve[c][i]);
 }
 
-/* The second integral of the normal density of width 1. */
-static double ramp(double z)
-{
-    return 0.5 * z * erfc(-sqrt(0.5) * z) +
-           exp(-0.5 * z * z) / sqrt(2.0 * M_PI);
-}
-
 /* Adds the strand's integral over a pixel whose middle is (p, q) along and
  * across it, where g_c and the width change little on a pixel: seen along the
  * strand it is two boxes folded, whose integral under the normal density has a
@@ -75,21 +69,22 @@ static void add_far_pixel(const struct rays *r, const struct strand *s,
     const double a = r->a, b = r->b;
     const struct gp_gauss *const g = gp_gauss_rule(3);
     const double thin = r->width * (1.0 - 0.8 * p / s->length);
-    const double width = hypot(thin, hypot(a * s->sine, b * s->cosine) /
-                                         sqrt(12.0));
+    const double width =
+        gp_hypot(thin, gp_hypot(a * s->sine, b * s->cosine) / sqrt(12.0));
     // half the boxes, in widths; a side that is seen end on keeps some
     const double i = 0.5 * a * fabs(s->sine) / width;
     const double j = 0.5 * b * fabs(s->cosine) / width;
     const double low = 1e-3 * fmax(i, j);
-    const double m = fmax(i, low), n = fmax(j, low), z = q / width;
-    if (fabs(z) > m + n + DARK) // strands are thinner far out
+    const double m = fmax(i, low), n = fmax(j, low), z = fabs(q) / width;
+    if (z > m + n + DARK) // strands are thinner far out
         return;
     const double share = // at its ends rounding is all there is
-        fmax(ramp(z + m + n) - ramp(z + m - n) - ramp(z - m + n) +
-         ramp(z - m - n), 0.0) / (4.0 * m * n) * s->gain * a * b /
-        (width * s->length);
+        fmax(gp_normal_twice(z + m + n) - gp_normal_twice(z + m - n) -
+                 gp_normal_twice(z - m + n) + gp_normal_twice(z - m - n),
+             0.0) /
+        (4.0 * m * n) * s->gain * a * b / (width * s->length);
     // a box as deep as both squares are spread along the strand
-    const double depth = sqrt(2.0) * hypot(a * s->cosine, b * s->sine);
+    const double depth = sqrt(2.0) * gp_hypot(a * s->cosine, b * s->sine);
     for (int k = 0; k < g->n; k++) {
         const double at = (p + depth * g->node[k]) / s->length;
         for (int c = 0; c < 3; c++)
@@ -97,44 +92,69 @@ static void add_far_pixel(const struct rays *r, const struct strand *s,
     }
 }
 
-/* The same of any pixel around (u, v): by parts of a tent. */
-static void add_pixel(const struct rays *r, const struct strand *s, double u,
-                      double v, double sum[3])
+/* Nodes of a tent over (-1, 1), in parts over which a strand's section bends little:
+ * a pixel's side is so many times as long as the strand is thin. */
+enum {
+    MOST_PARTS = 16,
+    MOST_NODES = 7,
+    MOST_TENT = 2 * MOST_PARTS * MOST_NODES
+};
+struct tent {
+    int n;
+    double node[MOST_TENT], weight[MOST_TENT];
+};
+
+static void make_tent(double side, struct tent *t)
 {
-    const double a = r->a, b = r->b;
-    const double taper = r->width * 0.8 / s->length;
+    const struct gp_gauss *const g = gp_gauss_rule(side > 0.5 ? MOST_NODES : 4);
+    // squeezed pixels are much narrower than high
+    const int parts = (int) fmin(ceil(0.7 * side), MOST_PARTS);
+    t->n = 0;
+    for (int k = 0; k < 2 * parts; k++) {
+        for (int i = 0; i < g->n; i++, t->n++) {
+            t->node[t->n] = (k + 0.5 + g->node[i]) / parts - 1.0;
+            t->weight[t->n] =
+                g->weight[i] * (1.0 - fabs(t->node[t->n])) / parts;
+        }
+    }
+}
+
+/* The same of any pixel around (u, v). */
+GP_CLONES static void add_pixel(const struct rays *r, const struct strand *s,
+                                double u, double v, double sum[3])
+{
+    const double a = r->a, b = r->b, end = s->length;
+    const double taper = r->width * 0.8 / end;
     const double p0 = u * s->cosine + v * s->sine;
-    if (p0 > 4.0 * fmax(fmax(a, b), r->width)) {
+    if (p0 > 4.0 * gp_maxd(gp_maxd(a, b), r->width)) {
         add_far_pixel(r, s, p0, v * s->cosine - u * s->sine, sum);
         return;
     }
-    const double thin = fmax(r->width - taper * fmax(p0, 0.0),
-                             0.2 * r->width);
-    // parts along each side, as squeezed pixels are much narrower than high
-    const int m = (int) fmin(ceil(0.7 * a / thin), 16.0);
-    const int n = (int) fmin(ceil(0.7 * b / thin), 16.0);
-    const struct gp_gauss *const g = gp_gauss_rule(a / thin > 0.5 ? 7 : 4);
-    const struct gp_gauss *const h = gp_gauss_rule(b / thin > 0.5 ? 7 : 4);
-    const double da = a / m, db = b / n;
-    for (int j = 0; j < 2 * n * h->n; j++) {
-        const double dy = (j / h->n + 0.5 + h->node[j % h->n]) / n - 1.0;
-        for (int i = 0; i < 2 * m * g->n; i++) {
-            const double dx = (i / g->n + 0.5 + g->node[i % g->n]) / m - 1.0;
-            const double x = u + a * dx, y = v + b * dy;
+    const double thin =
+        gp_maxd(r->width - taper * gp_maxd(p0, 0.0), 0.2 * r->width);
+    const double all = s->gain * a * b / (sqrt(2.0 * M_PI) * end);
+    struct tent across, down;
+    make_tent(a / thin, &across);
+    make_tent(b / thin, &down);
+    for (int j = 0; j < down.n; j++) {
+        double light[MOST_TENT], at[MOST_TENT];
+        const double y = v + b * down.node[j];
+        for (int i = 0; i < across.n; i++) {
+            const double x = u + a * across.node[i];
             const double p = x * s->cosine + y * s->sine;
             const double q = y * s->cosine - x * s->sine;
-            const double width = r->width - taper * fmax(p, 0.0);
-            const double z = q / width, back = fmin(p, 0.0) / r->width;
-            if (p > s->length || fabs(z) > CUT || back < -CUT)
-                continue;
-            const double density = s->gain *
-                                   exp(-0.5 * (z * z + back * back)) /
-                                   (sqrt(2.0 * M_PI) * width * s->length) * da *
-                                   db * g->weight[i % g->n] *
-                                   h->weight[j % h->n] * (1.0 - fabs(dx)) *
-                                   (1.0 - fabs(dy));
-            for (int c = 0; c < 3; c++)
-                sum[c] += density * along(r, c, fmax(p, 0.0) / s->length);
+            const double past = gp_maxd(p, 0.0),
+                         width = r->width - taper * past;
+            const double z = q / width, back = gp_mind(p, 0.0) / r->width;
+            const double density =
+                gp_exp(-0.5 * (z * z + back * back)) / width * across.weight[i];
+            const bool in = p <= end && fabs(z) <= CUT && back >= -CUT;
+            light[i] = in ? density : 0.0;
+            at[i] = past / end;
+        }
+        for (int i = 0; i < across.n; i++) {
+            for (int c = 0; c < 3 && light[i] > 0.0; c++)
+                sum[c] += all * down.weight[j] * light[i] * along(r, c, at[i]);
         }
     }
 }
@@ -196,8 +216,9 @@ static void make_row(void *ctx, int i, int thread)
 static double curve_of(double nm, double t, double core, double dispersion)
 {
     const double scale = 1.0 + dispersion * (550.0 / nm - 1.0);
-    const double at = t * scale / core, end = pow(fmax(1.0 - t, 0.0), 8.0);
-    return end * scale / (1.0 + at * at);
+    const double at = t * scale / core, left = fmax(1.0 - t, 0.0);
+    const double q = left * left;
+    return q * q * q * q * scale / (1.0 + at * at);
 }
 
 /* g_c by wavelengths, of integral 1 in each channel, for strands of length 1;
@@ -276,8 +297,8 @@ static void lay_strands(const struct gp_recipe *r, double rotate,
         const double off = middle ? 0.0 : gp_model_random(seed, key) - 0.5;
         const double angle = M_PI / 180.0 *
             (turned + 360.0 * (i / strands) / points + 2.0 * spread * off);
-        one->cosine = cos(angle);
-        one->sine = -sin(angle);
+        one->cosine = gp_cos(angle);
+        one->sine = -gp_sin(angle);
         one->length = length *
             (middle ? 1.0 : 0.35 + 0.6 * gp_model_random(seed, key + 1));
         one->gain = middle ? 1.0 : 0.2 + 0.8 * gp_model_random(seed, key + 2);

@@ -2,6 +2,7 @@
 /* Keys of nodes (specification, 3.11 and appendix C), and places at a time. */
 #include "scene/gltf/gltf_priv.h"
 
+#include "core/maths.h"
 #include "core/memory.h"
 #include "scene/bounds.h"
 
@@ -140,10 +141,10 @@ static void turn_between(const float *a, const float *b, double t, double *out)
     for (int c = 0; c < 4; c++)
         dot += (double) a[c] * (double) b[c];
     const double sign = dot < 0.0 ? -1.0 : 1.0;
-    const double angle = acos(fmin(fabs(dot), 1.0));
-    const double s = sin(angle);
-    const double wa = s > 1e-6 ? sin((1.0 - t) * angle) / s : 1.0 - t;
-    const double wb = s > 1e-6 ? sin(t * angle) / s : t;
+    const double angle = gp_acos(fmin(fabs(dot), 1.0));
+    const double s = gp_sin(angle);
+    const double wa = s > 1e-6 ? gp_sin((1.0 - t) * angle) / s : 1.0 - t;
+    const double wb = s > 1e-6 ? gp_sin(t * angle) / s : t;
     for (int c = 0; c < 4; c++)
         out[c] = wa * (double) a[c] + sign * wb * (double) b[c];
 }

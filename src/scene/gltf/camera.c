@@ -3,6 +3,7 @@
  * the axis that points up. */
 #include "scene/bounds.h"
 #include "scene/gltf/gltf_priv.h"
+#include "core/maths.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -56,7 +57,7 @@ gp_status gp_scene_camera_make(const struct gp_log *log,
                                const struct gp_scene_camera *c, double aspect,
                                struct gp_camera *out)
 {
-    const double tall = tan(0.5 * c->yfov), wide = tall * aspect;
+    const double tall = gp_tan(0.5 * c->yfov), wide = tall * aspect;
     const double *const m = c->to_camera;
     double ndc[16];
     for (int i = 0; i < 4; i++) { // x, y, z, w of a row
@@ -95,7 +96,7 @@ double gp_scene_apart(const struct gp_scene *s, const struct gp_camera *a,
         const struct gp_projected to = gp_camera_project(b, display, p, 1.0);
         if (from.behind || to.behind)
             return INFINITY;
-        most = fmax(most, hypot(from.x - to.x, from.y - to.y));
+        most = fmax(most, gp_hypot(from.x - to.x, from.y - to.y));
     }
     return most;
 }

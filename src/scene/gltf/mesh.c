@@ -2,6 +2,7 @@
 /* Materials, as far as they hide or take light, and triangles. */
 #include "scene/gltf/gltf_priv.h"
 
+#include "core/maths.h"
 #include "core/memory.h"
 #include "scene/bounds.h"
 
@@ -210,7 +211,7 @@ struct uv_of {
  * pi / 2 and scale 0.5, shows the lower left quarter of the image. */
 static void move_uv(const struct uv_of *by, int n, float *uv)
 {
-    const double c = cos(by->turn), s = sin(by->turn);
+    const double c = gp_cos(by->turn), s = gp_sin(by->turn);
     for (int i = 0; i < n; i++, uv += 2) {
         const double u = by->scale[0] * (double) uv[0],
                      v = by->scale[1] * (double) uv[1];

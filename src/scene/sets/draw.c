@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/sets/sets_priv.h"
 
+#include "core/maths.h"
 #include "core/memory.h"
 
 #include <math.h>
@@ -72,7 +73,7 @@ static void set_square(struct map *m, struct gp_v3 along, double k,
 /* Lays a spot's map a texel around its cone, as light.frag reads neighbours. */
 static void lay_spot(const struct gp_scene_light *l, struct map *m)
 {
-    const double k = (m->side - 2.0) / m->side / tan(fmax(l->outer, 1e-3));
+    const double k = (m->side - 2.0) / m->side / gp_tan(fmax(l->outer, 1e-3));
     set_square(m, l->along, k, (const double[4]) {0.0, 0.0, 0.0, m->near},
                (const double[4]) {l->along.x, l->along.y, l->along.z, 0.0});
     m->form_of[2] = (float) k;
@@ -526,8 +527,8 @@ static void add_light(const struct gp_drawing *d, const struct gp_draw_light *l,
     if (!map->cube)
         add_matrix(in, "to_map", map->to_map);
     if (of->kind == GP_LIGHT_SPOT) {
-        const double outer = cos(of->outer);
-        const double soft = fmax(cos(of->inner) - outer, 1e-6);
+        const double outer = gp_cos(of->outer);
+        const double soft = fmax(gp_cos(of->inner) - outer, 1e-6);
         add_floats(in, "cone", 2, (const double[4]) {outer, 1.0 / soft});
     }
 }

@@ -4,6 +4,7 @@
 #include "scene/sets/sets_priv.h"
 
 #include "core/depth.h"
+#include "core/maths.h"
 #include "core/memory.h"
 
 // -- convex volumes: what a camera sees, and its hull with a light ------------
@@ -141,8 +142,8 @@ static struct light_range range_of(const struct gp_scene_light *light)
         .range = sun ? INFINITY : light->range, .along = a,
     };
     if (light->kind == GP_LIGHT_SPOT && light->outer < 1.5707963) {
-        r.cos = cos(light->outer);
-        r.sin = sin(light->outer);
+        r.cos = gp_cos(light->outer);
+        r.sin = gp_sin(light->outer);
     }
     r.box.lo = gp_v3_sub(r.from.p, (struct gp_v3) {range_along(&r, -a.x),
                                                    range_along(&r, -a.y),

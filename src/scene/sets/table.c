@@ -2,6 +2,7 @@
 #include "scene/sets/sets_priv.h"
 
 #include "core/clock.h"
+#include "core/maths.h"
 #include "core/memory.h"
 
 #include <math.h>
@@ -80,11 +81,11 @@ static double texel_of(const struct rows *w)
     double widest = across; // of a cube's square
     for (int i = 0; i < w->s->lights; i++) {
         const struct gp_scene_light *const l = &w->s->light[i];
-        const double is = l->kind == GP_LIGHT_DIRECTIONAL
-                              ? gp_v3_length(gp_box_half(&w->all))
-                          : l->kind == GP_LIGHT_SPOT && l->outer < 1.05
-                              ? tan(l->outer) : 1.0;
-        widest = fmax(widest, across * is);
+        const double is =
+            l->kind == GP_LIGHT_DIRECTIONAL ? gp_v3_length(gp_box_half(&w->all))
+            : l->kind == GP_LIGHT_SPOT && l->outer < 1.05 ? gp_tan(l->outer)
+                                                          : 1.0;
+        widest = gp_maxd(widest, across * is);
     }
     return widest;
 }

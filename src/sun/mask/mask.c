@@ -3,6 +3,7 @@
  * reading back, and the plain form on the CPU. */
 #include "sun/mask/mask_priv.h"
 
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 
@@ -115,12 +116,12 @@ static void place_sample(bool square, double u, double v,
     // turns by up to an eighth of a circle from its axis
     if (fabs(a) > fabs(b)) {
         const double turn = M_PI_4 * (b / a);
-        *x = a * cos(turn);
-        *y = a * sin(turn);
+        *x = a * gp_cos(turn);
+        *y = a * gp_sin(turn);
     } else {
         const double turn = M_PI_4 * (a / b);
-        *x = b * sin(turn);
-        *y = b * cos(turn);
+        *x = b * gp_sin(turn);
+        *y = b * gp_cos(turn);
     }
 }
 

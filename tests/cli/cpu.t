@@ -1,0 +1,58 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The same bytes on any processor: layers, --hdr and PNG pictures of this one, and of
+# those that qemu-user emulates. GLAREPP_CPU names these; by default one without AVX
+# and one with AVX2 and fused multiply-add. (aarch64: see make arm64-bytes)
+. "$(dirname "$0")/lib.sh"
+need_python
+command -v qemu-x86_64 >/dev/null || skip_all 'no qemu-x86_64'
+[ "$(uname -m)" = x86_64 ] || skip_all 'not an x86-64'
+! sanitized || skip_all 'a sanitizer does not run in qemu-user'
+
+frame in.exr size=48x36 seed=3 channels=R,G,B,A,Z:float hot=60000
+frame wide.exr size=300x120 seed=5 hot=60000
+frame scene.exr size=96x54 kind=dark channels=R,G,B,Z:float
+"$glarepp" -q --no-provenance -o in.png in.exr || exit 1
+ln -s "$root/examples/alley.glb" .
+
+# Name, then arguments. (Models that need Fourier transforms, and fft, are not the
+# same as long as FFTW chooses its code by the processor.)
+cat >rows <<'END'
+curves -k eye -k star:strands=8 -k gaussian -k moffat -k halation ../../in.exr
+rings -k builtin:ring -k circle -k streak -k cross ../../in.exr
+eyes -k spencer:needles=30,light=adapted -k cie:equation=general --rotate 15 ../../in.exr
+lights --sun 20,12,4 --sun-color 1e4 --flare preset:zoom --lens heliar --fov 40 ../../in.exr
+scene --scene ../../alley.glb --light-scale 1e-3 ../../scene.exr
+exposed -t 3ev --auto-exposure --tonemap agx -o p.png ../../wide.exr
+codes --style mist --depth-bits 16 --tonemap aces -o p.png ../../in.png
+END
+
+# make_all FOLDER THREADS COMMAND...: every row's outputs, in a folder of each
+make_all()
+{
+    into=$1 threads=$2
+    shift 2
+    while read -r name words; do
+        mkdir -p "$into/$name"
+        (cd "$into/$name" && "$@" -q -e direct --threads "$threads" --type float \
+            --no-provenance --layer l.exr --hdr h.exr $words 2>>"$tmp/err")
+    done <rows
+}
+
+make_all here 1 "$glarepp"
+is "$(cat err)" '' 'this processor'
+threads=3
+for cpu in ${GLAREPP_CPU-Conroe Haswell}; do
+    case $cpu in
+    aarch64) set -- qemu-aarch64 -L "$GLAREPP_ARM64/root" "$GLAREPP_ARM64/glarepp" ;;
+    *) set -- qemu-x86_64 -cpu "$cpu" "$glarepp" ;;
+    esac
+    make_all "$cpu" $threads "$@"
+    while read -r name words; do
+        [ -s "here/$name/h.exr" ] && diff -r "here/$name" "$cpu/$name" >diff.log 2>&1
+        result $? "$cpu, $threads threads: $name" || note "$(head -c 500 diff.log err)"
+    done <rows
+    threads=8
+done
+
+done_testing
