@@ -113,6 +113,12 @@ is "$(dark_lamps --tolerance-pixel 1e-7)" 'fft True True' \
     'lamps in the dark: --tolerance-pixel 1e-7 is kept'
 frame light.exr lights=60 dim=0.9 size=640x460 type=float
 lamps=light.exr
+for type in half float; do # (fft_double is there where it is true)
+    "$glarepp" -q --edges black -e fft -k kernel302.exr --type $type --hdr l.exr \
+        --report dark.$type.json light.exr
+done
+is "$(grep -l fft_double dark.half.json dark.float.json)" dark.float.json \
+    'lamps in the light: floats take fft in double, halves need none'
 is "$(dark_lamps -e fft --type half --tolerance-pixel 1e-5)" 'fft True False' \
     'lamps in the light: fft in float may be over 1e-5 of a pixel'
 is "$(dark_lamps --tolerance-pixel 1e-5)" 'direct True True' \
