@@ -86,7 +86,7 @@ static int lines(void)
         const fftwf_plan plan =
             fftwf_plan_dft_1d(n, a, b, FFTW_FORWARD, FFTW_MEASURE);
         for (int j = 0; j < n * LINES; j++)
-            a[j][0] = a[j][1] = 1.0f;
+            a[j] = 1.0f;
         const double flops = LINES * 5.0 * n * log2(n);
         const int times = (int) (1e8 / flops) + 1;
         double own = INFINITY, peer = INFINITY;

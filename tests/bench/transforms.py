@@ -158,7 +158,8 @@ def memory(old):
     print("\n## Peak memory, MiB, before and now\n\n| frame | kernel | before | "
           "now |\n|---|---|---|---|")
     for name, size, kernel, frame in cells():
-        rss = [run(p, frame, kernel, "--hdr", "o.exr", "-o", "o.png")[0]
+        rss = [run(p, frame, kernel, "--type", "half", "--hdr", "o.exr",
+                   "-o", "o.png")[0]
                ["peak_rss_mib"] for p in (old, GLAREPP)]
         print(f"| {name} {size} | {os.path.basename(kernel)} | {rss[0]:.0f} | "
               f"{rss[1]:.0f} |", flush=True)

@@ -11,6 +11,7 @@ command -v qemu-x86_64 >/dev/null || skip_all 'no qemu-x86_64'
 
 frame in.exr size=48x36 seed=3 channels=R,G,B,A,Z:float hot=60000
 frame wide.exr size=300x120 seed=5 hot=60000
+frame hot.exr size=64x40 kind=dark dim=1e-3 hot=1e9 type=float
 frame scene.exr size=96x54 kind=dark channels=R,G,B,Z:float
 "$glarepp" -q --no-provenance -o in.png in.exr || exit 1
 ln -s "$root/examples/alley.glb" .
@@ -27,6 +28,7 @@ tight fft --tolerance-pixel 1e-6 ../../wide.exr
 lights fft --sun 20,12,4 --sun-color 1e4 --flare preset:zoom --lens heliar --fov 40 ../../in.exr
 scene auto --scene ../../alley.glb --light-scale 1e-3 ../../scene.exr
 exposed auto -t 3ev --auto-exposure --tonemap agx -o p.png ../../wide.exr
+double fft -k ring --max-value 1e9 ../../hot.exr
 codes fft --style mist --depth-bits 16 --tonemap aces -o p.png ../../in.png
 END
 
@@ -37,7 +39,7 @@ make_all()
     shift 2
     while read -r name engine words; do
         mkdir -p "$into/$name"
-        (cd "$into/$name" && "$@" -q -e $engine --threads "$threads" --type float \
+        (cd "$into/$name" && "$@" -q -e "$engine" --threads "$threads" --type float \
             --no-provenance --layer l.exr --hdr h.exr $words 2>>"$tmp/err")
     done <rows
 }
@@ -53,7 +55,7 @@ for cpu in ${GLAREPP_CPU-$cpus}; do
     *) set -- qemu-x86_64 -cpu "$cpu" "$glarepp" ;;
     esac
     make_all "$cpu" $threads "$@"
-    while read -r name words; do
+    while read -r name engine words; do
         [ -s "here/$name/h.exr" ] && diff -r "here/$name" "$cpu/$name" >diff.log 2>&1
         result $? "$cpu, $threads threads: $name" || note "$(head -c 500 diff.log err)"
     done <rows

@@ -186,9 +186,12 @@ out:
     return st;
 }
 
-/* GROUP terms, each within 2^-24; then groups, whose sum is within 2 * 2^-24
- * and n 2^-48 (Higham 2002, eq. 4.8); then the sum to the layer. */
-double gp_direct_bound(const struct gp_kernel *k, size_t n)
+/* Bounds rel_l2 of the sum of n sources, as long as no product is under the range
+ * of float: GROUP terms, each within 2^-24; then groups, whose sum is within
+ * 2 * 2^-24 and n 2^-48 (Higham 2002, eq. 4.8); then the sum to the layer. INFINITY
+ * for a kernel that is negative somewhere, whose light can cancel while the
+ * rounding stays. */
+static double bound_of(const struct gp_kernel *k, size_t n)
 {
     return k->negative ? INFINITY
                        : (GROUP + 4.0) * 0x1p-24 + (double) n * 0x1p-48;
@@ -225,7 +228,7 @@ static gp_status run_direct(const struct gp_glare_request *req, void **state)
     if (st)
         return st;
     if (!(req->stats->bound > 0.0))
-        req->stats->bound = gp_direct_bound(req->kernel, req->src->n);
+        req->stats->bound = bound_of(req->kernel, req->src->n);
     st = gp_direct_sum(req->log, req->src, &taps, false, req->layer);
     gp_taps_free(&taps);
     return st;
@@ -235,7 +238,7 @@ static gp_status bound_direct(const struct gp_glare_request *req, void **state,
                               double *out)
 {
     (void) state;
-    *out = gp_direct_bound(req->kernel, req->src->n);
+    *out = bound_of(req->kernel, req->src->n);
     return GP_OK;
 }
 
@@ -243,7 +246,7 @@ static gp_status pixel_direct(const struct gp_glare_request *req, void **state,
                               struct gp_pixel_error *out)
 {
     (void) state;
-    out->relative = gp_direct_bound(req->kernel, req->src->n);
+    out->relative = bound_of(req->kernel, req->src->n);
     return GP_OK;
 }
 

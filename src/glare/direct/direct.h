@@ -35,11 +35,6 @@ GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_taps *taps, bool add,
     struct gp_planes *layer);
 
-/* Bounds rel_l2 of the sum of n sources: float rounding, as long as no
- * product is under the range of float. INFINITY for a kernel that is
- * negative somewhere, whose light can cancel while the rounding stays. */
-double gp_direct_bound(const struct gp_kernel *k, size_t n);
-
 /* Multiply-adds that gp_direct_sum makes on a channel: each source's kernel,
  * cut to the frame. No more rows are counted from where they are over `most`. */
 double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,

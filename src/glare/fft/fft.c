@@ -30,7 +30,7 @@ static void close_state(void **state)
     struct fft_state *const s = *state;
     if (s) {
         gp_fft_pair_free(s->pair);
-        gp_fft_matrix_free(&s->spectrum.m);
+        gp_fft_spectrum_free(&s->spectrum);
     }
     GP_FREE(*state);
 }
@@ -245,7 +245,7 @@ static gp_status transform(const struct gp_glare_request *req,
         struct gp_fft_matrix m = gp_fft_one_channel(&s->work, 0, fft.channel);
         GP_TRY(gp_fft_find_spectrum(req, &fft, p, &s->spectrum));
         GP_TRY(gp_fft_rows_in(&fft, rows.n, load_light_row, &light, &m));
-        GP_TRY(gp_fft_multiply(&fft, rows, &s->spectrum.m, first, count, &m));
+        GP_TRY(gp_fft_multiply(&fft, rows, &s->spectrum.k, first, count, &m));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
     gp_parallel_do(src->h - count, store_dark_row, &light);
@@ -254,7 +254,7 @@ static gp_status transform(const struct gp_glare_request *req,
     for (int i = 0; light.dropped && i < 3 * src->h; i++)
         *dropped += light.dropped[i];
     if (req->params->last)
-        gp_fft_matrix_free(&s->spectrum.m);
+        gp_fft_spectrum_free(&s->spectrum);
 out:
     gp_fft_matrix_free(&s->work);
     gp_free(light.y);

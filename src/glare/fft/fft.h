@@ -129,12 +129,14 @@ struct gp_fft_spectrum {
     struct gp_fft_placing placing;
     bool in_double;
     int channel;            // that it is of; -1: of all, or grey
-    struct gp_fft_matrix m; // scaled so that the passes need no more factors
+    int *places;            // of its rows
+    struct gp_fft_kernel k; // scaled so that the passes need no more factors
 };
+void gp_fft_spectrum_free(struct gp_fft_spectrum *s);
 
 /* Makes *s the spectrum of the request's kernel for channel fft->channel, unless it
- * is. A coloured kernel's that no later frame takes is made channel by channel in
- * one plane. Errors: GP_ERR_BUG out of memory. */
+ * is; of a coloured kernel that no later frame takes, that channel's rows. Errors:
+ * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
     const struct gp_fft_request *fft, const struct gp_fft_placing *p,
     struct gp_fft_spectrum *s);

@@ -146,7 +146,7 @@ struct task {
 static struct task open_task(const struct gp_pass *s, int i, int thread)
 {
     const size_t room = gp_transform_room(s->t->n);
-    char *const scratch = s->scratch + 2 * room * (size_t) thread;
+    char *const scratch = s->scratch + (size_t) s->arrays * room * (size_t) thread;
     return (struct task) {
         s->req->channel + i / s->tasks, i % s->tasks, (void *) scratch,
         (void *) (scratch + room),
@@ -182,11 +182,10 @@ void OF(rows_in)(void *ctx, int i, int thread)
          block_of(s->m, t.c, 0) + first);
 }
 
-/* Rows of a block to their places on the torus, dark between them. */
-static void place_rows(const struct gp_pass *s, const struct point *from,
-                       struct point *to)
+/* Rows of a block to their places on a torus of n points, dark between them. */
+static void place_rows(const struct gp_fft_rows *r, int n,
+                       const struct point *from, struct point *to)
 {
-    const struct gp_fft_rows *const r = &s->rows;
     int at = 0, j = 0; // places under `at` are written; the first that wraps
     while (j < r->n && r->place[j] >= r->place[0])
         j++;
@@ -196,7 +195,7 @@ static void place_rows(const struct gp_pass *s, const struct point *from,
         to[place] = from[row];
         at = place + 1;
     }
-    memset(to + at, 0, sizeof *to * (size_t) (s->t->n - at));
+    memset(to + at, 0, sizeof *to * (size_t) (n - at));
 }
 
 GP_CLONES static void scale(struct point *z, real by, int n)
@@ -205,35 +204,52 @@ GP_CLONES static void scale(struct point *z, real by, int n)
         z[y] = (struct point) {z[y].re * by, z[y].im * by};
 }
 
+/* Makes a block of a kernel's spectrum of the block's rows: t->z, of a real one re
+ * of all points, one after the other. */
+static void make_block(const struct gp_pass *s, const struct point *block,
+                       struct task *t)
+{
+    const struct gp_fft_kernel *const k = s->kernel;
+    const int n = s->t->n;
+    place_rows(&k->rows, n, block, t->z);
+    for (int y = 1; k->m.of.real && y < k->rows.n; y++)
+        t->z[n - y] = (struct point) {t->z[y].re, -t->z[y].im};
+    scale(transform(s, t), (real) k->scale, n);
+    for (int y = 0; k->m.of.real && y < n; y++)
+        ((lines *) t->z)[y] = t->z[y].re;
+}
+
 void OF(make_kernel)(void *ctx, int i, int thread)
 {
     const struct gp_pass *const s = ctx;
+    const struct gp_fft_matrix *const m = &s->kernel->m;
     struct task t = open_task(s, i, thread);
-    const int n = s->t->n;
-    struct point *const block = block_of(s->m, t.c, t.block);
-    place_rows(s, block, t.z);
-    for (int y = 1; s->m->of.real && y < s->rows.n; y++)
-        t.z[n - y] = (struct point) {t.z[y].re, -t.z[y].im};
-    scale(transform(s, &t), (real) s->scale, n);
-    if (!s->m->of.real)
-        memcpy(block, t.z, sizeof *block * (size_t) n);
-    for (int y = 0; s->m->of.real && y < n; y++)
-        ((lines *) block)[y] = t.z[y].re;
+    struct point *const block = block_of(m, t.c, t.block);
+    make_block(s, block, &t);
+    memcpy(block, t.z, (m->of.real ? sizeof(lines) : sizeof *block) *
+                           (size_t) s->t->n);
 }
 
 void OF(multiply)(void *ctx, int i, int thread)
 {
     const struct gp_pass *const s = ctx;
-    struct task t = open_task(s, i, thread);
+    struct task t = open_task(s, i, thread), own = t;
     const int n = s->t->n, upper = gp_min(s->count, n - s->first);
-    const struct gp_fft_matrix *const k = s->kernel;
+    const struct gp_fft_kernel *const kernel = s->kernel;
+    const struct gp_fft_matrix *const m = &kernel->m;
     struct point *const block = block_of(s->m, t.c, t.block);
-    place_rows(s, block, t.z);
-    if (k->of.real)
-        times_real(transform(s, &t),
-                   (const lines *) block_of(k, k->z[1] ? t.c : 0, t.block), n);
+    const struct point *k = block_of(m, m->z[t.c] ? t.c : 0, t.block);
+    if (!kernel->made) {
+        own.z = t.z + 2 * gp_transform_room(n) / sizeof *t.z;
+        own.other = t.other + 2 * gp_transform_room(n) / sizeof *t.z;
+        make_block(s, k, &own);
+        k = own.z;
+    }
+    place_rows(&s->rows, n, block, t.z);
+    if (m->of.real)
+        times_real(transform(s, &t), (const lines *) k, n);
     else
-        times(transform(s, &t), block_of(k, k->z[1] ? t.c : 0, t.block), n);
+        times(transform(s, &t), k, n);
     const struct point *const z = transform(s, &t);
     for (int y = 0; y < s->count; y++) {
         const struct point *const from = z + (y < upper ? s->first + y : y - upper);

@@ -74,18 +74,25 @@ struct gp_fft_rows {
                       // place[0] on, modulo ny
 };
 
-/* Makes a kernel's spectrum of its rows in m, in place, times `scale`. Where m is
- * real, row j >= 0 is at j, n <= ny / 2, and row -j is row j from right to
- * left: the rows of a real matrix are written as those of a complex one with
- * half as many points a block. */
+/* A kernel: its rows, of gp_fft_rows_in(), or the spectrum that is made of them in
+ * their place, times `scale`. Where m is real, row j >= 0 is at j, n <= ny / 2,
+ * and row -j is row j from right to left: the rows of a real matrix are written
+ * as those of a complex one with half as many points a block. */
+struct gp_fft_kernel {
+    struct gp_fft_matrix m;  // one plane (grey), or the channels' own
+    struct gp_fft_rows rows;
+    double scale;
+    bool made;               // m is the spectrum; else it is made with each pass
+};
+
+/* Makes the spectrum, of a matrix with room for ny points. */
 GP_MUST_CHECK gp_status gp_fft_make_kernel(const struct gp_fft_request *req,
-    struct gp_fft_rows rows, double scale, struct gp_fft_matrix *m);
+                                           struct gp_fft_kernel *k);
 
 /* Forward, times the kernel's spectrum, back, each block in place: of `rows`;
- * places first .. first + count (modulo ny) come out as rows [0, count). A
- * spectrum of one plane (grey) serves all channels. */
+ * places first .. first + count (modulo ny) come out as rows [0, count). */
 GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
-    struct gp_fft_rows rows, const struct gp_fft_matrix *kernel, int first,
+    struct gp_fft_rows rows, const struct gp_fft_kernel *kernel, int first,
     int count, struct gp_fft_matrix *m);
 
 /* Row `j` of channel `c` from z[x], x in [0, nx), on a thread of
@@ -100,20 +107,19 @@ GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_request *req,
 
 // -- shared by pass.c and convolve.c ---------------------------------------------
 
-/* A pass under way: what its tasks read, and scratch for each thread: two arrays
- * of points. */
+/* A pass under way: what its tasks read, and scratch for each thread. */
 struct gp_pass {
     const struct gp_fft_request *req;
     const struct gp_transform *t; // of the lines that are transformed
     struct gp_fft_matrix *m;
-    const struct gp_fft_matrix *kernel;
+    const struct gp_fft_kernel *kernel;
     struct gp_fft_rows rows;
     int tasks;        // of one channel
     int first, count;
-    double scale;
     gp_fft_load load;
     gp_fft_store store;
     const void *ctx;
+    int arrays;       // of points, of each thread
     char *scratch;
 };
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The torus: places on it, and what transforms of it leave. */
+#include "core/maths.h"
 #include "core/minmax.h"
 #include "glare/fft/fft.h"
 #include "glare/kernel_rows.h"
 
 #include <limits.h>
-#include <math.h>
 
 // -- places on the torus ------------------------------------------------------
 
@@ -112,7 +112,7 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_fft_norms *k,
     }
     if (!(least > CERTAIN * sqrt(noise)))
         return INFINITY;
-    return sqrt(log2((double) p->nx * p->ny)) *
+    return sqrt(gp_log((double) p->nx * p->ny) / M_LN2) *
            (2.0 * STAGE * sqrt(noise) +
             (STAGE + 2.0 * ADDING) * sqrt(layer)) / least;
 }
@@ -141,6 +141,6 @@ double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
     const double points = (double) p->nx * p->ny, light = sqrt(s->energy[c]);
     const double layer = fmin(light * k->sum[c], s->flux[c] * k->norm[c]);
     const double there = light * k->norm[c];
-    return STAGE * sqrt(log2(points) / points *
+    return STAGE * sqrt(gp_log(points) / (M_LN2 * points) *
                         (2.0 * there * there + layer * layer));
 }

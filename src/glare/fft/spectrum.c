@@ -53,50 +53,58 @@ static bool is_even(const struct gp_kernel *k, const struct gp_rect *taps)
     return true;
 }
 
+void gp_fft_spectrum_free(struct gp_fft_spectrum *s)
+{
+    gp_fft_matrix_free(&s->k.m);
+    gp_free(s->places);
+    *s = (struct gp_fft_spectrum) {0};
+}
+
 gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
     const struct gp_fft_request *fft, const struct gp_fft_placing *p,
     struct gp_fft_spectrum *s)
 {
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
-    const bool whole = k->serial && (k->grey || !req->params->last);
-    if (s->m.z[0] && gp_fft_is_of(s->kernel, k) &&
+    const bool kept = k->serial && (k->grey || !req->params->last);
+    if (s->k.m.z[0] && gp_fft_is_of(s->kernel, k) &&
         s->in_double == fft->in_double && s->placing.nx == p->nx &&
         s->placing.ny == p->ny &&
         memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0 &&
         (s->channel < 0 || s->channel == fft->channel))
         return GP_OK;
     const bool even = is_even(k, &p->taps);
+    const int n = even ? p->taps.y1 : gp_rect_h(p->taps);
     const struct making from = {k, p, even ? 0 : p->taps.y0};
     struct gp_fft_request planes = *fft;
-    struct gp_fft_rows rows = {.n = even ? p->taps.y1 : gp_rect_h(p->taps)};
-    struct gp_fft_matrix m;
-    int *place = NULL;
-    gp_fft_matrix_free(&s->m);
-    if (whole) {
+    gp_fft_spectrum_free(s);
+    if (kept) {
         planes.channel = 0;
         planes.channels = k->grey ? 1 : 3;
     }
-    GP_TRY(gp_fft_matrix_make(req->log,
-                              (struct gp_fft_numbers) {even, fft->in_double},
-                              planes.channels, p->nx, p->ny, &s->m));
-    m = whole ? s->m : gp_fft_one_channel(&s->m, 0, fft->channel);
-    GP_TRY(gp_alloc(req->log, "transform", (size_t) rows.n, sizeof *place,
-                    &place));
-    for (int j = 0; j < rows.n; j++)
-        place[j] = gp_fft_wrap(from.first + j, p->ny);
-    rows.place = place;
-    GP_TRY(gp_fft_rows_in(&planes, rows.n, load_kernel_row, &from, &m));
+    // (rows of a real matrix take as many points as are in two blocks)
+    GP_TRY(gp_fft_matrix_make(
+        req->log, (struct gp_fft_numbers) {even, fft->in_double},
+        planes.channels, p->nx, kept ? p->ny : even ? 2 * n : n, &s->k.m));
+    GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *s->places,
+                    &s->places));
+    for (int j = 0; j < n; j++)
+        s->places[j] = gp_fft_wrap(from.first + j, p->ny);
+    s->k.rows = (struct gp_fft_rows) {n, s->places};
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
-    GP_TRY(gp_fft_make_kernel(&planes, rows, 0.25 / ((double) p->nx * p->ny), &m));
+    s->k.scale = 0.25 / ((double) p->nx * p->ny);
+    struct gp_fft_matrix m =
+        kept ? s->k.m : gp_fft_one_channel(&s->k.m, 0, fft->channel);
+    GP_TRY(gp_fft_rows_in(&planes, n, load_kernel_row, &from, &m));
+    if (kept)
+        GP_TRY(gp_fft_make_kernel(&planes, &s->k));
     s->kernel = k->serial;
     s->placing = *p;
     s->in_double = fft->in_double;
-    s->channel = whole ? -1 : fft->channel;
+    s->channel = kept ? -1 : fft->channel;
 out:
     if (st)
-        gp_fft_matrix_free(&s->m);
-    gp_free(place);
+        gp_fft_spectrum_free(s);
     return st;
 }

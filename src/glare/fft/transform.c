@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/cpu.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "glare/fft/lines.h"
-
-#include <math.h>
 
 // -- transforms of a few points -----------------------------------------------
 
@@ -180,7 +179,7 @@ static void find_root(int k, int n, double out[2])
     static const double TURN = 6.28318530717958647693;
     const long long eighth = (8LL * k + n) / (2LL * n); // quarters, rounded
     const double a = TURN * (double) (4LL * k - eighth * n) / (4.0 * n);
-    const double c = cos(a), s = sin(a);
+    const double c = gp_cos(a), s = gp_sin(a);
     const double quarter[4][2] = {{c, s}, {-s, c}, {-c, -s}, {s, -c}};
     out[0] = quarter[eighth % 4][0];
     out[1] = quarter[eighth % 4][1];

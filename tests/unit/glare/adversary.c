@@ -303,25 +303,20 @@ static void bounds_are_not_twice_too_large(void **state)
         enum bound b;
         struct toy t;
     } row[] = {
-        {FFT, {7, 9, 9, 1, 8, -1,
-               "0jl0k0k0ljlimmtttlkmypiicl06c531ttjo0mej13jmilkjjkt0ng30omL0Hi"
-               "m",
-               "..bxhbk5k"}},
+        {FFT, {6, 3, 4, 8, 2, 6, "aaa8aaaaaaaaicctks",
+               ".LHL..LH.yLL...L92a7Xh.7X0.Xhhsf"}},
         // each sample but the first is swallowed by the sum
         {DIRECT, {1, 200, 1, 32, 0, 0, "0",
                   "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
         {DIRECT_SAMPLE, {1, 32, 1, 32, 0, 0, "0",
                          "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
-        {FFT_SAMPLE,
-         {7, 11, 11, 6, 3, 0,
-          "....H..HH...HL....L.HH.7....995....6663.....4.1.......H3b.....L..2H.H"
-          "......L.",
-          "XHXtLHHXXX.HLH...HLLLLH5H1HLH...H.3bh5...XX.LHhh.X...LHLhXX..H..H."}},
+        {FFT_SAMPLE, {6, 4, 2, 13, 1, 8, "Ln.LLHkHHL..rL..L.hcH.L.",
+                      "L.HLH.HX.LH.77L5Hy8LHHH..."}},
         {FFT_PIXEL,
-         {14, 8, 6, 5, 2, 1,
-          "43.3LL3..6.450.X5.X22..HHH35...23XH.L349.0XXX5X433..H1HXH111HXX6.36X0"
-          "02HHHHXHHH.36e23H...3HLL.4XLL415H4X01X6.551",
-          "........z..LL.L........L6....."}},
+         {12, 1, 13, 12, 5, 3, "6h567i565655",
+          "........HH......LXX.L.X.....X.......LLLXXXX.l.XXXXHX.L...LL...X...LXX"
+          "X....X....X.......X.H....XXX..XXXXXLLL..X..X....X.X....XL.XX....XX.X."
+          "..L.L.XL..H......."}},
         {DIRECT_PIXEL, {1, 32, 1, 32, 0, 0, "0",
                         "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
         {CORE, {3, 11, 7, 12, 0, 12, "468.006.8.70400090082..84.00.8qdh",
