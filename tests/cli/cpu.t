@@ -16,17 +16,20 @@ frame scene.exr size=96x54 kind=dark channels=R,G,B,Z:float
 "$glarepp" -q --no-provenance -o in.png in.exr || exit 1
 ln -s "$root/examples/alley.glb" .
 
-# Name, engine, arguments
+# name, engine and arguments
 cat >rows <<'END'
 curves direct -k eye -k star:strands=8 -k gaussian -k moffat -k halation ../../in.exr
-rings fft -k builtin:ring -k circle -k streak -k cross ../../in.exr
-eyes fft -k spencer:needles=30,light=adapted -k cie:equation=general --rotate 15 ../../in.exr
+rings direct -k builtin:ring -k circle -k streak -k cross ../../in.exr
+eyes direct -k spencer:needles=30 -k cie:equation=general --rotate 15 ../../in.exr
+iris fft -k aperture:wavelengths=2,reach=1,coma=0.3,grating=0.5,lashes=0.5 ../../in.exr
+pupil direct -k temporal:wavelengths=2,reach=1 ../../in.exr
+far fft -k eye ../../wide.exr
+tight fft --tolerance-pixel 1e-6 ../../wide.exr
 lights fft --sun 20,12,4 --sun-color 1e4 --flare preset:zoom --lens heliar --fov 40 ../../in.exr
 scene auto --scene ../../alley.glb --light-scale 1e-3 ../../scene.exr
-exposed fft -t 3ev --auto-exposure --tonemap agx -o p.png ../../wide.exr
-pupils fft -k aperture -k temporal:reach=1,wavelengths=3 ../../in.exr
+exposed auto -t 3ev --auto-exposure --tonemap agx -o p.png ../../wide.exr
 double fft -k ring --max-value 1e9 ../../hot.exr
-codes direct --style mist --depth-bits 16 --tonemap aces -o p.png ../../in.png
+codes fft --style mist --depth-bits 16 --tonemap aces -o p.png ../../in.png
 END
 
 # make_all FOLDER THREADS COMMAND...: every row's outputs, in a folder of each
@@ -44,7 +47,9 @@ make_all()
 make_all here 1 "$glarepp"
 is "$(cat err)" '' 'this processor'
 threads=3
-for cpu in ${GLAREPP_CPU-Conroe Haswell}; do
+cpus=Conroe
+[ -n "$quick" ] || cpus="Conroe Haswell"
+for cpu in ${GLAREPP_CPU-$cpus}; do
     case $cpu in
     aarch64) set -- qemu-aarch64 -L "$GLAREPP_ARM64/root" "$GLAREPP_ARM64/glarepp" ;;
     *) set -- qemu-x86_64 -cpu "$cpu" "$glarepp" ;;
