@@ -264,17 +264,17 @@ out:
 }
 
 /* Tests whether the noise of transforms in float would be seen: where the largest
- * error of a pixel, MOST deviations as they are not spread evenly, is over the
- * share of the darkest light that may be wrong, or shows near black. */
+ * error of a pixel is over the share of the darkest light that may be wrong, or
+ * shows near black. */
 static bool is_seen(const struct gp_glare_request *req,
                     const struct gp_fft_placing *p, const struct fft_state *s)
 {
-    static const double MOST = 10.0;
     const struct gp_sources *const src = req->src;
     const double own = gp_sources_dark(src), gain = (double) req->params->gain;
     double noise = 0.0, glare = INFINITY;
     for (int c = 0; c < 3; c++) {
-        noise += (double) src->luminance[c] * gp_fft_noise(p, src, &s->norms, c);
+        noise += (double) src->luminance[c] *
+                 gp_fft_most_noise(p, src, &s->norms, c);
         if (req->kernel->far && src->flux[c] > 0.0)
             glare = fmin(glare, src->flux[c] * req->kernel->far->least);
     }
@@ -285,7 +285,7 @@ static bool is_seen(const struct gp_glare_request *req,
         limit = fmin(limit, src->visible);
     if (src->hidden > 0.0)
         limit = fmin(limit, src->hidden);
-    return !(gain * MOST * gp_fft_rounding(false) * noise <= limit);
+    return !(gain * gp_fft_rounding(false) * noise <= limit);
 }
 
 /* What is known of a frame before it is transformed. */
