@@ -49,7 +49,7 @@ SIZES = {  # path below src: reason
 }
 # Rooms that measure, whose figures may differ between processors: the others make
 # light, and take elementary functions from core/maths.h.
-MEASURING = ("bench/", "compare/", "glare/fft/")
+MEASURING = ("bench/", "compare/")
 INEXACT = re.compile(
     r"(sincos|a?(sin|cos|tan)h?|atan2|exp(2|10|m1)?|log(2|10|1p)?|pow|hypot|cbrt|"
     r"erfc?|[jy][01n]|[lt]gamma|fma|c(abs|arg|exp|log|pow|sqrt))[fl]?")
