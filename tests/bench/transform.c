@@ -51,11 +51,13 @@ static double error_of(const float *in, const float *out, int n)
         long double complex sum = 0.0L;
         for (int x = 0; x < n; x++) {
             const long double a = turn * (long double) ((long long) k * x % n);
-            sum += CMPLXL(in[2 * LINES * x + 3], in[2 * LINES * x + LINES + 3]) *
-                   CMPLXL(cosl(a), -sinl(a));
+            const float *const z = in + 2 * LINES * x + 3;
+            sum += (z[0] + z[LINES] * (long double complex) I) *
+                   (cosl(a) - sinl(a) * I);
         }
-        const long double d = cabsl(
-            sum - CMPLXL(out[2 * LINES * k + 3], out[2 * LINES * k + LINES + 3]));
+        const float *const z = out + 2 * LINES * k + 3;
+        const long double d =
+            cabsl(sum - (z[0] + z[LINES] * (long double complex) I));
         wrong += d * d;
         all += cabsl(sum) * cabsl(sum);
     }

@@ -8,7 +8,6 @@
 #include "glare/fft/fft.h"
 #include "glare/model/model.h"
 
-#include <complex.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -225,11 +224,6 @@ double gp_pupil_watson(double nits, double area, double age);
 double gp_pupil_hippus(double p, double t, double strength, uint64_t seed);
 
 // -- diffraction --------------------------------------------------------------
-
-#ifndef CMPLX // glibc defines these only for gcc; clang has the built-in
-#define CMPLX(re, im) __builtin_complex((double) (re), (double) (im))
-#define CMPLXF(re, im) __builtin_complex((float) (re), (float) (im))
-#endif
 
 #define GP_PI 3.14159265358979323846
 

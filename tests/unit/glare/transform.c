@@ -8,6 +8,10 @@
 
 #include <complex.h>
 
+#ifndef CMPLX // glibc defines it only for gcc; clang has the built-in
+#define CMPLX(re, im) __builtin_complex((double) (re), (double) (im))
+#endif
+
 /* A precision: how many lines there are, and how to make, fill, run and read. */
 struct form {
     const char *name;
@@ -96,7 +100,7 @@ static long double complex *roots_of(int n)
     assert_non_null(w);
     for (int k = 0; k < n; k++) {
         const long double a = 2.0L * acosl(-1.0L) * k / n;
-        w[k] = CMPLXL(cosl(a), -sinl(a));
+        w[k] = cosl(a) - sinl(a) * I;
     }
     return w;
 }
