@@ -363,11 +363,14 @@ struct glarepp_layer_params {
     // Ando et al. 2007, sections 4.1 to 4.3
     int group, cluster;    // pixels a side, powers of two to 64; 1 and 0: off
     float cluster_fill;    // bright share from which an area is one polygon
-    float shrink;          // share of light that polygons may leave out, to 0.99
+    float shrink; // share of light that polygons may leave out, to 0.99
 };
-#define GLAREPP_LAYER_PARAMS                                                  \
-    { sizeof(struct glarepp_layer_params), "auto", 1e-3f, 0.0f, false, 1.0f,  \
-      GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f, 1e-3f }
+#define GLAREPP_LAYER_PARAMS                                                   \
+    {                                                                          \
+        sizeof(struct glarepp_layer_params), "auto", 1e-3f, 0.0f, false, 1.0f, \
+            GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f,      \
+            1e-3f                                                              \
+    }
 
 // -- lights -------------------------------------------------------------------
 
@@ -564,9 +567,9 @@ struct glarepp_frame_params {
     double focus, aperture;      // m, f-number
     double sensor;               // mm, width
     double white;                // cd/m2 of scene value 1
-    float noise;                 // share of a dark pixel that transforms in float
-                                 // may err by, else they are in double, 0 to 1:
-                                 // half's rounding, 4.9e-4, hides as much
+    float noise; // share of a dark pixel that transforms in float
+                 // may err by, else they are in double, 0 to 1:
+                 // half's rounding, 4.9e-4, hides as much
     bool last;                   // no frame of this size follows soon: nothing is
                                  // kept for it
     bool layer_ends;             // GLARE is not looked at after COMPOSE
@@ -576,9 +579,12 @@ struct glarepp_frame_params {
     void *user;                  // of messages about it
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
-    { sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0}, false, \
-      NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0},              \
-      GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, 4e-4f, false, false, false, NULL }
+    {                                                                         \
+        sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0},     \
+            false, NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0}, \
+            GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, 4e-4f, false, false, false, \
+            NULL                                                              \
+    }
 
 struct glarepp_frame;
 

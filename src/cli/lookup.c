@@ -291,8 +291,10 @@ const struct gp_option_choice gp_ups[] = {
 };
 const struct gp_option_choice gp_spaces[] = {
     {"world", false, "those of the frame's world"},
-    {"camera", true, "x right, y up, z to the eye, whatever "
-     "worldToCamera has"}, {0},
+    {"camera", true,
+     "x right, y up, z to the eye, whatever "
+     "worldToCamera has"},
+    {0},
 };
 
 // -- styles ------------------------------------------------------------------

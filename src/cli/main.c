@@ -67,9 +67,12 @@ static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
             puts(name);
     } else {
         gp_io_versions(io, sizeof io);
-        printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
+        printf("glarepp " GP_VERSION "\n"
+               "with %s, jansson %s\n"
+               "opened when "
                "needed: OpenImageIO, OpenColorIO, OSMesa, EGL\n"
-               "Apache-2.0; no warranty\n", io, jansson_version_str());
+               "Apache-2.0; no warranty\n",
+               io, jansson_version_str());
     }
     return st ? st : gp_flush_text(log);
 }

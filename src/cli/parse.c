@@ -258,11 +258,13 @@ static gp_status set_value(const struct use *u, void *field)
 static const char *const gone[][2] = {
     {"completion", "make install puts completions in place"},
     {"fft-plan", "leave it out: transforms need no plan"},
-    {"from", "make the file again by -k with its glarepp:recipe, and by --size, "
+    {"from",
+     "make the file again by -k with its glarepp:recipe, and by --size, "
      "--fov, --rotate and --frame"},
     {"group-method", "leave it out: splat groups pixels in one way"},
     {"ndc", "leave it out, or give the camera by --camera FILE"},
-    {"primitive", "leave it out: splat draws what the GL context draws fastest"},
+    {"primitive",
+     "leave it out: splat draws what the GL context draws fastest"},
     {"repeat", "use --runs"},
     {"report-append", "append by the shell: --report - >>FILE"},
     {"sun-draw", "leave it out: engines draw the glare of lights"},

@@ -76,7 +76,8 @@ static bool untoned(const struct gp_settings *s)
 
 /* Tests whether scene-linear light goes out in float, which hides less noise than
  * half. */
-static bool writes_floats(const struct gp_run *r, const struct gp_frame_state *fs)
+static bool writes_floats(const struct gp_run *r,
+                          const struct gp_frame_state *fs)
 {
     const enum gp_out_type type = r->s->output.write.type;
     bool some = false;

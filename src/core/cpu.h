@@ -15,7 +15,7 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&        \
     !defined(GP_SANITIZED) && !defined(GP_NO_CLONES)
 #define GP_CLONES __attribute__((target_clones("avx2", "default")))
-#define GP_CLONES_WIDE                                                        \
+#define GP_CLONES_WIDE \
     __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #else
 #define GP_CLONES

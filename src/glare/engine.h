@@ -57,9 +57,11 @@ struct gp_glare_params {
     bool in_double;            // transforms in double, whatever the frame needs
     bool last;                 // no frame follows: no kernel's spectrum is kept
 };
-#define GP_GLARE_DEFAULTS                                                     \
-    { .engine = "auto", .gain = 1.0f, .tolerance = 1e-3f,                     \
-      .seen = 4e-4f, .splat = GP_SPLAT_DEFAULTS }
+#define GP_GLARE_DEFAULTS                                                  \
+    {                                                                      \
+        .engine = "auto", .gain = 1.0f, .tolerance = 1e-3f, .seen = 4e-4f, \
+        .splat = GP_SPLAT_DEFAULTS                                         \
+    }
 
 /* Light that no engine draws: the far field's, and from beyond the border. */
 struct gp_layer_rest {

@@ -63,7 +63,8 @@ void gp_glare_reference_direct(const struct gp_sources *src,
  * one from the next, those of a line `step`; z is scratch for two arrays of
  * points. `back`: back. */
 static void transform_lines(const struct gp_transform *t, bool back,
-    size_t lines, size_t apart, size_t step, double *a, double *z)
+                            size_t lines, size_t apart, size_t step, double *a,
+                            double *z)
 {
     enum { LINES = GP_DOUBLE_LINES };
     double *const other = z + gp_transform_room(t->n) / sizeof *z;
@@ -73,7 +74,8 @@ static void transform_lines(const struct gp_transform *t, bool back,
         memset(z, 0, n * GP_POINT_BYTES);
         for (size_t k = 0; k < n; k++) {
             for (size_t i = 0; i < count; i++) {
-                const double *const at = a + 2 * ((first + i) * apart + k * step);
+                const double *const at =
+                    a + 2 * ((first + i) * apart + k * step);
                 z[2 * LINES * k + re + i] = at[0];
                 z[2 * LINES * k + im + i] = at[1];
             }

@@ -43,7 +43,7 @@ struct block_sum {
     double light[3];
     double flux[3][WIDE], energy[3][WIDE]; // of every WIDE-th source of a piece
     float brightest;
-    bool faint;        // a source is under GP_FAINT
+    bool faint; // a source is under GP_FAINT
 };
 
 struct sense {

@@ -66,8 +66,8 @@ static double error_of(const float *in, const float *out, int n)
 
 static int lines(void)
 {
-    static const int lengths[] = {256,  512,  1024, 1280, 1536, 1600, 2000,
-                                  2048, 2400, 2700, 4000, 4050, 4096, 4374,
+    static const int lengths[] = {256,  512,  1024, 1280,  1536, 1600, 2000,
+                                  2048, 2400, 2700, 4000,  4050, 4096, 4374,
                                   5000, 8000, 8192, 16000, 16384};
     printf("length  roundings  / log2 n  GFLOP/s  FFTW, measured  ratio\n");
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
@@ -129,10 +129,10 @@ static double plain_ms(int w, int h)
 {
     const size_t pitch = 2 * (size_t) (w / 2 + 1), n = pitch * (size_t) h;
     float *const z = fftwf_alloc_real(n), *const k = fftwf_alloc_real(n);
-    const fftwf_plan there = fftwf_plan_dft_r2c_2d(
-        h, w, z, (fftwf_complex *) z, FFTW_MEASURE);
-    const fftwf_plan back = fftwf_plan_dft_c2r_2d(
-        h, w, (fftwf_complex *) z, z, FFTW_MEASURE);
+    const fftwf_plan there =
+        fftwf_plan_dft_r2c_2d(h, w, z, (fftwf_complex *) z, FFTW_MEASURE);
+    const fftwf_plan back =
+        fftwf_plan_dft_c2r_2d(h, w, (fftwf_complex *) z, z, FFTW_MEASURE);
     double least = INFINITY;
     for (size_t i = 0; i < n; i++)
         k[i] = 1e-6f;
@@ -199,7 +199,8 @@ int main(int argc, char **argv)
     if (argc == 2 && strcmp(argv[1], "lines") == 0)
         return lines();
     if (argc == 6 && strcmp(argv[1], "plain") == 0)
-        return plain(atoi(argv[2]), atoi(argv[3]), atoi(argv[4]), atoi(argv[5]));
+        return plain(atoi(argv[2]), atoi(argv[3]), atoi(argv[4]),
+                     atoi(argv[5]));
     fprintf(stderr, "usage: transform lines | transform plain W H K SIZES\n");
     return 2;
 }

@@ -12,13 +12,14 @@
 
 enum {
     LANES = 8,
-    STRIP = GP_TAPS_PAD, // columns a task takes; 4 vectors
-    GROUP = 32,          // sources summed before the sum is put aside
+    STRIP = GP_TAPS_PAD,       // columns a task takes; 4 vectors
+    GROUP = 32,                // sources summed before the sum is put aside
     LINE = 64 / sizeof(float), // floats of a cache line
 };
 
 typedef float vector __attribute__((vector_size(4 * LANES)));
-typedef float loose __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
+typedef float loose
+    __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
 
 /* A source as one strip sees it: taps[base + y * pitch] is the kernel's
  * sample for the strip's first column of row y. */
@@ -90,8 +91,9 @@ void gp_taps_free(struct gp_taps *t)
 
 /* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
 GP_CLONES static void sum_strip(const struct strip_source *s, uint32_t n,
-    const float *k0, const float *k1, const float *k2, ptrdiff_t row_at,
-    float sum[3][STRIP])
+                                const float *k0, const float *k1,
+                                const float *k2, ptrdiff_t row_at,
+                                float sum[3][STRIP])
 {
     vector total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
     while (n > 0) {
@@ -100,12 +102,9 @@ GP_CLONES static void sum_strip(const struct strip_source *s, uint32_t n,
         for (uint32_t i = 0; i < group; i++) {
             const ptrdiff_t at = s[i].base + row_at;
             for (int v = 0; v < STRIP / LANES; v++) {
-                a[0][v] += s[i].rgb[0] *
-                           *(const loose *) (k0 + at + v * LANES);
-                a[1][v] += s[i].rgb[1] *
-                           *(const loose *) (k1 + at + v * LANES);
-                a[2][v] += s[i].rgb[2] *
-                           *(const loose *) (k2 + at + v * LANES);
+                a[0][v] += s[i].rgb[0] * *(const loose *) (k0 + at + v * LANES);
+                a[1][v] += s[i].rgb[1] * *(const loose *) (k1 + at + v * LANES);
+                a[2][v] += s[i].rgb[2] * *(const loose *) (k2 + at + v * LANES);
             }
         }
         for (int c = 0; c < 3; c++) {
@@ -222,8 +221,8 @@ double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
 static gp_status run_direct(const struct gp_glare_request *req, void **state)
 {
     struct gp_taps taps;
-    gp_status st = gp_taps_cut(req->log, req->kernel, INT_MAX / 2, INT_MAX / 2,
-                               &taps);
+    gp_status st =
+        gp_taps_cut(req->log, req->kernel, INT_MAX / 2, INT_MAX / 2, &taps);
     (void) state;
     if (st)
         return st;

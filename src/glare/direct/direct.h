@@ -24,7 +24,8 @@ struct gp_taps {
 /* Copies the part of the kernel within rx pixels of its centre in x and ry in
  * y. Free with gp_taps_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_taps_cut(const struct gp_log *log,
-    const struct gp_kernel *kernel, int rx, int ry, struct gp_taps *out);
+                                    const struct gp_kernel *kernel, int rx,
+                                    int ry, struct gp_taps *out);
 void gp_taps_free(struct gp_taps *t);
 
 /* Adds the sum to the layer (`add`), or writes it there. Each sample is summed

@@ -149,8 +149,9 @@ static gp_status find_error(const struct gp_log *log, const struct gp_far_field 
             const struct keeping across = keep_of(frequency(x, nx));
             // the passes' factor 1 / 2 of rows was left out once
             const float *const plane = s->spectrum.m.z[c];
-            limit_column(plane + (size_t) (x / GP_FLOAT_LINES) *
-                                     s->spectrum.m.pitch * 2 * GP_FLOAT_LINES +
+            limit_column(plane +
+                             (size_t) (x / GP_FLOAT_LINES) *
+                                 s->spectrum.m.pitch * 2 * GP_FLOAT_LINES +
                              x % GP_FLOAT_LINES,
                          2.0 * points * area, &across, down, ny,
                          x == 0 || 2 * x == nx ? 1.0 : 2.0, &l);
@@ -181,11 +182,14 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     const int ny = gp_fft_length(2 * t->ry + 1);
     GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *s, &s));
     GP_TRY(gp_fft_pair_make(log, nx, ny, false, s->pair));
-    GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, channels, nx, ny,
-                              &s->spectrum.m));
+    GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, channels, nx,
+                              ny, &s->spectrum.m));
     GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
     const struct gp_fft_request fft = {
-        .log = log, .x = &s->pair[0], .y = &s->pair[1], .channels = channels,
+        .log = log,
+        .x = &s->pair[0],
+        .y = &s->pair[1],
+        .channels = channels,
     };
     const struct kernel_rows from = {t, nx};
     for (int j = 0; j < rows; j++)
@@ -426,7 +430,9 @@ static gp_status make_rows(const struct gp_log *log,
     for (int j = 0; j < rows; j++)
         places[j] = a->first + j;
     const struct gp_fft_request fft = {
-        .log = log, .x = &state->pair[0], .y = &state->pair[1],
+        .log = log,
+        .x = &state->pair[0],
+        .y = &state->pair[1],
         .channels = channels,
     };
     if (a->src) {

@@ -15,9 +15,9 @@ static int lines_of(bool in_double)
     return in_double ? GP_DOUBLE_LINES : GP_FLOAT_LINES;
 }
 
-gp_status gp_fft_matrix_make(const struct gp_log *log,
-    struct gp_fft_numbers of, int channels, int nx, int rows,
-    struct gp_fft_matrix *out)
+gp_status gp_fft_matrix_make(const struct gp_log *log, struct gp_fft_numbers of,
+                             int channels, int nx, int rows,
+                             struct gp_fft_matrix *out)
 {
     enum { SET = 64 }; // points of a page
     const size_t lines = (size_t) lines_of(of.in_double);
@@ -94,11 +94,17 @@ static int row_tasks(const struct gp_fft_request *req, int rows)
 }
 
 gp_status gp_fft_rows_in(const struct gp_fft_request *req, int rows,
-    gp_fft_load load, const void *ctx, struct gp_fft_matrix *m)
+                         gp_fft_load load, const void *ctx,
+                         struct gp_fft_matrix *m)
 {
     struct gp_pass s = {
-        .req = req, .t = req->x, .m = m, .rows = {.n = rows}, .load = load,
-        .ctx = ctx, .tasks = row_tasks(req, rows),
+        .req = req,
+        .t = req->x,
+        .m = m,
+        .rows = {.n = rows},
+        .load = load,
+        .ctx = ctx,
+        .tasks = row_tasks(req, rows),
     };
     return run_pass(&s, gp_float_rows_in, gp_double_rows_in);
 }
@@ -107,7 +113,10 @@ gp_status gp_fft_make_kernel(const struct gp_fft_request *req,
                              struct gp_fft_kernel *k)
 {
     struct gp_pass s = {
-        .req = req, .t = req->y, .kernel = k, .tasks = k->m.blocks,
+        .req = req,
+        .t = req->y,
+        .kernel = k,
+        .tasks = k->m.blocks,
     };
     gp_status st = run_pass(&s, gp_float_make_kernel, gp_double_make_kernel);
     k->made = !st;
@@ -115,24 +124,36 @@ gp_status gp_fft_make_kernel(const struct gp_fft_request *req,
 }
 
 gp_status gp_fft_multiply(const struct gp_fft_request *req,
-    struct gp_fft_rows rows, const struct gp_fft_kernel *kernel, int first,
-    int count, struct gp_fft_matrix *m)
+                          struct gp_fft_rows rows,
+                          const struct gp_fft_kernel *kernel, int first,
+                          int count, struct gp_fft_matrix *m)
 {
     struct gp_pass s = {
-        .req = req, .t = req->y, .m = m, .kernel = kernel, .rows = rows,
-        .first = first, .count = count, .tasks = m->blocks,
+        .req = req,
+        .t = req->y,
+        .m = m,
+        .kernel = kernel,
+        .rows = rows,
+        .first = first,
+        .count = count,
+        .tasks = m->blocks,
     };
     return run_pass(&s, gp_float_multiply, gp_double_multiply);
 }
 
 gp_status gp_fft_rows_out(const struct gp_fft_request *req,
-    const struct gp_fft_matrix *m, int rows, gp_fft_store store,
-    const void *ctx)
+                          const struct gp_fft_matrix *m, int rows,
+                          gp_fft_store store, const void *ctx)
 {
     struct gp_fft_matrix from = *m;
     struct gp_pass s = {
-        .req = req, .t = req->x, .m = &from, .rows = {.n = rows},
-        .store = store, .ctx = ctx, .tasks = row_tasks(req, rows),
+        .req = req,
+        .t = req->x,
+        .m = &from,
+        .rows = {.n = rows},
+        .store = store,
+        .ctx = ctx,
+        .tasks = row_tasks(req, rows),
     };
     return run_pass(&s, gp_float_rows_out, gp_double_rows_out);
 }

@@ -40,7 +40,8 @@ static void close_state(void **state)
 /* The sample of the centre, which is not transformed, of channel c. */
 static float centre_of(const struct gp_kernel *k, int c)
 {
-    const bool inside = k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
+    const bool inside =
+        k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
     return inside ? k->k.c[c][(size_t) k->cy * (size_t) k->w + (size_t) k->cx]
                   : 0.0f;
 }
@@ -103,7 +104,7 @@ struct light_rows {
     float centre[3], noise[3];  // of the kernel; samples up to it become 0
     struct gp_layer_rest *rest; // or NULL
     int *y;                     // of row j of light
-    double *dropped;            // by channel and row of the layer: sum of squares
+    double *dropped; // by channel and row of the layer: sum of squares
 };
 
 static void load_light_row(const void *ctx, int c, int j, float *z)
@@ -183,8 +184,8 @@ static void store_dark_row(void *ctx, int i, int thread)
  * double they are nothing, and more of them keep black what no light reaches, but
  * for one sample in a million. */
 static double noise_of(const struct gp_glare_request *req,
-    const struct gp_fft_placing *p, const struct gp_fft_norms *k, bool in_double,
-    int c)
+                       const struct gp_fft_placing *p,
+                       const struct gp_fft_norms *k, bool in_double, int c)
 {
     static const double LEFT_OUT = 4.0, IN_DOUBLE = 32.0;
     return (in_double ? IN_DOUBLE : LEFT_OUT) * gp_fft_rounding(in_double) *
@@ -193,7 +194,8 @@ static double noise_of(const struct gp_glare_request *req,
 
 /* Makes the transforms of a frame's lengths, unless the state has them. */
 static gp_status find_pair(const struct gp_glare_request *req,
-    struct fft_state *s, const struct gp_fft_placing *p, bool in_double)
+                           struct fft_state *s, const struct gp_fft_placing *p,
+                           bool in_double)
 {
     if (s->pair[1].root && s->pair[0].n == p->nx && s->pair[1].n == p->ny &&
         s->in_double == in_double)
@@ -206,8 +208,8 @@ static gp_status find_pair(const struct gp_glare_request *req,
 /* Transforms the sources with the kernel into the layer. Returns what became
  * black in *dropped, its sum of squares. */
 static gp_status transform(const struct gp_glare_request *req,
-    struct fft_state *s, const struct gp_fft_placing *p, bool in_double,
-    double *dropped)
+                           struct fft_state *s, const struct gp_fft_placing *p,
+                           bool in_double, double *dropped)
 {
     gp_status st;
     const struct gp_sources *const src = req->src;
@@ -219,10 +221,14 @@ static gp_status transform(const struct gp_glare_request *req,
     int *place = NULL;
     GP_TRY(find_pair(req, s, p, in_double));
     struct gp_fft_request fft = {
-        .log = req->log, .x = &s->pair[0], .y = &s->pair[1],
-        .in_double = in_double, .channels = 1,
+        .log = req->log,
+        .x = &s->pair[0],
+        .y = &s->pair[1],
+        .in_double = in_double,
+        .channels = 1,
     };
-    GP_TRY(gp_alloc(req->log, "transform", (size_t) lit, sizeof(int), &light.y));
+    GP_TRY(
+        gp_alloc(req->log, "transform", (size_t) lit, sizeof(int), &light.y));
     GP_TRY(gp_alloc(req->log, "transform", (size_t) lit, sizeof(int), &place));
     for (int row = p->in.y0; row < p->in.y1; row++) {
         if (src->row[row + 1] > src->row[row]) {
@@ -233,14 +239,16 @@ static gp_status transform(const struct gp_glare_request *req,
     rows.place = place;
     for (int c = 0; c < 3; c++) {
         light.centre[c] = centre_of(req->kernel, c);
-        light.noise[c] = req->kernel->negative ? -INFINITY
-            : (float) noise_of(req, p, &s->norms, in_double, c);
+        light.noise[c] =
+            req->kernel->negative
+                ? -INFINITY
+                : (float) noise_of(req, p, &s->norms, in_double, c);
     }
     GP_TRY(gp_alloc_zero(req->log, "transform", 3 * (size_t) src->h,
                          sizeof *light.dropped, &light.dropped));
-    GP_TRY(gp_fft_matrix_make(
-        req->log, (struct gp_fft_numbers) {.in_double = in_double}, 1, p->nx,
-        gp_max(rows.n, count), &s->work));
+    GP_TRY(gp_fft_matrix_make(req->log,
+                              (struct gp_fft_numbers) {.in_double = in_double},
+                              1, p->nx, gp_max(rows.n, count), &s->work));
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
         struct gp_fft_matrix m = gp_fft_one_channel(&s->work, 0, fft.channel);
         GP_TRY(gp_fft_find_spectrum(req, &fft, p, &s->spectrum));
@@ -319,8 +327,8 @@ static gp_status open_frame(const struct gp_glare_request *req, void **state,
         s->quarters_w = src->w;
         s->quarters_h = src->h;
     }
-    out->in_double = out->p.nx && (req->params->in_double ||
-                                   is_seen(req, &out->p, s));
+    out->in_double =
+        out->p.nx && (req->params->in_double || is_seen(req, &out->p, s));
     return GP_OK;
 }
 
@@ -330,7 +338,8 @@ static const double OUTSIDE = 0x3p-24;
 
 /* Bounds rel_l2, where the layer's norm is at least `least`. */
 static double bound_of(const struct gp_glare_request *req,
-    const struct frame *f, const struct fft_state *s, double least)
+                       const struct frame *f, const struct fft_state *s,
+                       double least)
 {
     return !f->p.nx ? 0.0
                     : gp_fft_rounding(f->in_double) *

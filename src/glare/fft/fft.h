@@ -112,7 +112,8 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_fft_norms *k,
  * what their light in each other's place would make, which has the same limits.
  * The product with the kernel is within the sum's term n = 1. */
 double gp_fft_pixel_error(const struct gp_fft_placing *p,
-    const struct gp_sources *s, const struct gp_fft_norms *k, int c);
+                          const struct gp_sources *s,
+                          const struct gp_fft_norms *k, int c);
 
 /* Estimates the deviation of a sample's error in channel c, over
  * gp_fft_rounding(): what the two transforms there and the one back leave, spread
@@ -124,14 +125,15 @@ double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
  * the transforms there leave, which lies in rows of light, five of what the one back
  * does, which only adds. Measured: a third of it to all of it. */
 double gp_fft_most_noise(const struct gp_fft_placing *p,
-    const struct gp_sources *s, const struct gp_fft_norms *k, int c);
+                         const struct gp_sources *s,
+                         const struct gp_fft_norms *k, int c);
 
 // -- spectrum.c ---------------------------------------------------------------
 
 /* A kernel's spectrum, kept from frame to frame. The sample of the centre, where
  * most of a glare's light stays, is left out: it needs no transform. */
 struct gp_fft_spectrum {
-    unsigned long kernel;   // serial
+    unsigned long kernel; // serial
     struct gp_fft_placing placing;
     bool in_double;
     int channel;            // that it is of; -1: of all, or grey
@@ -144,7 +146,8 @@ void gp_fft_spectrum_free(struct gp_fft_spectrum *s);
  * is; of a coloured kernel that no later frame takes, that channel's rows. Errors:
  * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
-    const struct gp_fft_request *fft, const struct gp_fft_placing *p,
-    struct gp_fft_spectrum *s);
+                                             const struct gp_fft_request *fft,
+                                             const struct gp_fft_placing *p,
+                                             struct gp_fft_spectrum *s);
 
 #endif

@@ -10,7 +10,8 @@
 enum { ROWS = 2 * LINES }; // of a block of lines
 
 /* Samples of a row in float, of as many points as there are lines. */
-typedef float flat __attribute__((vector_size(4 * LINES), aligned(4), may_alias));
+typedef float flat
+    __attribute__((vector_size(4 * LINES), aligned(4), may_alias));
 
 /* LINES vectors to those of the same lane of each: perfect shuffles. */
 INLINE void transpose(lines v[LINES])
@@ -19,7 +20,8 @@ INLINE void transpose(lines v[LINES])
         lines w[LINES];
         for (int i = 0; i < LINES / 2; i++) {
             w[2 * i] = __builtin_shufflevector(v[i], v[i + LINES / 2], LOW);
-            w[2 * i + 1] = __builtin_shufflevector(v[i], v[i + LINES / 2], HIGH);
+            w[2 * i + 1] =
+                __builtin_shufflevector(v[i], v[i + LINES / 2], HIGH);
         }
         memcpy(v, w, sizeof w);
     }
@@ -35,7 +37,8 @@ GP_CLONES static void weave(const float *rows, size_t pitch, int n,
         for (size_t i = 0; i < LINES; i++) {
             const float *const row = rows + 2 * i * pitch + x;
             re[i] = __builtin_convertvector(*(const flat *) row, lines);
-            im[i] = __builtin_convertvector(*(const flat *) (row + pitch), lines);
+            im[i] =
+                __builtin_convertvector(*(const flat *) (row + pitch), lines);
         }
         transpose(re);
         transpose(im);
@@ -70,7 +73,9 @@ GP_CLONES static void part(const struct point *z, int n, int blocks,
                            size_t pitch, struct point *m)
 {
     for (int b = 0; b < blocks; b++, m += pitch) {
-        struct { lines re[LINES], im[LINES]; } first, second;
+        struct {
+            lines re[LINES], im[LINES];
+        } first, second;
         for (int i = 0; i < LINES; i++) {
             const int k = b * LINES + i;
             const struct point f = z[k], r = z[k ? n - k : 0];
@@ -95,7 +100,9 @@ GP_CLONES static void join(const struct point *m, size_t pitch, int blocks,
                            int n, struct point *z)
 {
     for (int b = 0; b < blocks; b++, m += pitch) {
-        struct { lines re[LINES], im[LINES]; } first, second;
+        struct {
+            lines re[LINES], im[LINES];
+        } first, second;
         for (int i = 0; i < LINES; i++) {
             first.re[i] = m[2 * i].re;
             first.im[i] = m[2 * i].im;
@@ -146,9 +153,12 @@ struct task {
 static struct task open_task(const struct gp_pass *s, int i, int thread)
 {
     const size_t room = gp_transform_room(s->t->n);
-    char *const scratch = s->scratch + (size_t) s->arrays * room * (size_t) thread;
+    char *const scratch =
+        s->scratch + (size_t) s->arrays * room * (size_t) thread;
     return (struct task) {
-        s->req->channel + i / s->tasks, i % s->tasks, (void *) scratch,
+        s->req->channel + i / s->tasks,
+        i % s->tasks,
+        (void *) scratch,
         (void *) (scratch + room),
     };
 }
@@ -226,8 +236,8 @@ void OF(make_kernel)(void *ctx, int i, int thread)
     struct task t = open_task(s, i, thread);
     struct point *const block = block_of(m, t.c, t.block);
     make_block(s, block, &t);
-    memcpy(block, t.z, (m->of.real ? sizeof(lines) : sizeof *block) *
-                           (size_t) s->t->n);
+    memcpy(block, t.z,
+           (m->of.real ? sizeof(lines) : sizeof *block) * (size_t) s->t->n);
 }
 
 void OF(multiply)(void *ctx, int i, int thread)
@@ -252,7 +262,8 @@ void OF(multiply)(void *ctx, int i, int thread)
         times(transform(s, &t), k, n);
     const struct point *const z = transform(s, &t);
     for (int y = 0; y < s->count; y++) {
-        const struct point *const from = z + (y < upper ? s->first + y : y - upper);
+        const struct point *const from =
+            z + (y < upper ? s->first + y : y - upper);
         block[y] = (struct point) {from->im, from->re};
     }
 }
@@ -271,5 +282,6 @@ void OF(rows_out)(void *ctx, int i, int thread)
     float *const rows = (void *) t.other;
     unweave(t.z, n, (size_t) n, rows);
     for (int j = 0; j < ROWS && first + j < s->rows.n; j++)
-        s->store(s->ctx, t.c, first + j, thread, rows + (size_t) j * (size_t) n);
+        s->store(s->ctx, t.c, first + j, thread,
+                 rows + (size_t) j * (size_t) n);
 }

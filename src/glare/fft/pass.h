@@ -20,7 +20,7 @@
 
 /* Kind and precision of a matrix's numbers. */
 struct gp_fft_numbers {
-    bool real;      // re only: the spectrum of what is even about its centre
+    bool real; // re only: the spectrum of what is even about its centre
     bool in_double;
 };
 
@@ -29,15 +29,16 @@ struct gp_fft_numbers {
 struct gp_fft_matrix {
     struct gp_fft_numbers of;
     int blocks;
-    size_t pitch;   // points from block to block; real: of half a point
-    void *z[3];     // planes; one allocation
+    size_t pitch; // points from block to block; real: of half a point
+    void *z[3];   // planes; one allocation
 };
 
 /* Makes `channels` planes of `rows` points a block; not cleared. Free with
  * gp_fft_matrix_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
-    struct gp_fft_numbers of, int channels, int nx, int rows,
-    struct gp_fft_matrix *out);
+                                           struct gp_fft_numbers of,
+                                           int channels, int nx, int rows,
+                                           struct gp_fft_matrix *out);
 void gp_fft_matrix_free(struct gp_fft_matrix *m);
 
 /* Plane i of a matrix, as the plane of channel c; borrowed. */
@@ -55,7 +56,8 @@ struct gp_fft_request {
 /* Makes the transforms of a request: of lengths that gp_fft_length() gives.
  * Free both. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_fft_pair_make(const struct gp_log *log, int nx,
-    int ny, bool in_double, struct gp_transform out[2]);
+                                         int ny, bool in_double,
+                                         struct gp_transform out[2]);
 void gp_fft_pair_free(struct gp_transform pair[2]);
 
 /* Row `j` of channel `c` to z[x], x in [0, nx), which is cleared. */
@@ -65,7 +67,9 @@ typedef void (*gp_fft_load)(const void *ctx, int c, int j, float *z);
  * the matrix holds twice the spectrum. Errors: GP_ERR_BUG out of memory, as of
  * all passes. */
 GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_request *req,
-    int rows, gp_fft_load load, const void *ctx, struct gp_fft_matrix *m);
+                                       int rows, gp_fft_load load,
+                                       const void *ctx,
+                                       struct gp_fft_matrix *m);
 
 /* Rows of a matrix and where they are on the torus. */
 struct gp_fft_rows {
@@ -79,10 +83,10 @@ struct gp_fft_rows {
  * and row -j is row j from right to left: the rows of a real matrix are written
  * as those of a complex one with half as many points a block. */
 struct gp_fft_kernel {
-    struct gp_fft_matrix m;  // one plane (grey), or the channels' own
+    struct gp_fft_matrix m; // one plane (grey), or the channels' own
     struct gp_fft_rows rows;
     double scale;
-    bool made;               // m is the spectrum; else it is made with each pass
+    bool made; // m is the spectrum; else it is made with each pass
 };
 
 /* Makes the spectrum, of a matrix with room for ny points. */
@@ -92,8 +96,10 @@ GP_MUST_CHECK gp_status gp_fft_make_kernel(const struct gp_fft_request *req,
 /* Forward, times the kernel's spectrum, back, each block in place: of `rows`;
  * places first .. first + count (modulo ny) come out as rows [0, count). */
 GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
-    struct gp_fft_rows rows, const struct gp_fft_kernel *kernel, int first,
-    int count, struct gp_fft_matrix *m);
+                                        struct gp_fft_rows rows,
+                                        const struct gp_fft_kernel *kernel,
+                                        int first, int count,
+                                        struct gp_fft_matrix *m);
 
 /* Row `j` of channel `c` from z[x], x in [0, nx), on a thread of
  * gp_parallel_do(). */
@@ -102,8 +108,8 @@ typedef void (*gp_fft_store)(const void *ctx, int c, int j, int thread,
 
 /* Transforms rows [0, rows) back; those after them in their lines are spoilt. */
 GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_request *req,
-    const struct gp_fft_matrix *m, int rows, gp_fft_store store,
-    const void *ctx);
+                                        const struct gp_fft_matrix *m, int rows,
+                                        gp_fft_store store, const void *ctx);
 
 // -- shared by pass.c and convolve.c ---------------------------------------------
 
@@ -114,12 +120,12 @@ struct gp_pass {
     struct gp_fft_matrix *m;
     const struct gp_fft_kernel *kernel;
     struct gp_fft_rows rows;
-    int tasks;        // of one channel
+    int tasks; // of one channel
     int first, count;
     gp_fft_load load;
     gp_fft_store store;
     const void *ctx;
-    int arrays;       // of points, of each thread
+    int arrays; // of points, of each thread
     char *scratch;
 };
 

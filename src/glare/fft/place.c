@@ -24,8 +24,8 @@ static struct axis place_axis(int in0, int in1, int c, int w, int n)
     a.tap1 = gp_min(w - c, a.out1 - in0);
     const int right = in1 - 1 + a.tap1 - 1 - a.out0; // wraps to the left end
     const int left = a.out1 - 1 - (in0 + a.tap0);
-    a.period = gp_max(gp_max(right, left) + 1,
-                      gp_max(in1 - in0, a.tap1 - a.tap0));
+    a.period =
+        gp_max(gp_max(right, left) + 1, gp_max(in1 - in0, a.tap1 - a.tap0));
     return a;
 }
 
@@ -103,7 +103,7 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_fft_norms *k,
                     double least, const struct gp_fft_placing *p)
 {
     static const double CERTAIN = 1e-6; // sums in double lose what is under it
-    double noise = 0.0, layer = 0.0; // squares
+    double noise = 0.0, layer = 0.0;    // squares
     for (int c = 0; c < 3; c++) {
         const double norm = sqrt(s->energy[c]);
         const double young = fmin(norm * k->sum[c], s->flux[c] * k->norm[c]);
@@ -113,20 +113,21 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_fft_norms *k,
     if (!(least > CERTAIN * sqrt(noise)))
         return INFINITY;
     return sqrt(gp_log((double) p->nx * p->ny) / M_LN2) *
-           (2.0 * STAGE * sqrt(noise) +
-            (STAGE + 2.0 * ADDING) * sqrt(layer)) / least;
+           (2.0 * STAGE * sqrt(noise) + (STAGE + 2.0 * ADDING) * sqrt(layer)) /
+           least;
 }
 
 double gp_fft_pixel_error(const struct gp_fft_placing *p,
-    const struct gp_sources *s, const struct gp_fft_norms *k, int c)
+                          const struct gp_sources *s,
+                          const struct gp_fft_norms *k, int c)
 {
     static const double T = 7.0;
     const double points = (double) p->nx * p->ny, light = sqrt(s->energy[c]);
     const double pair = (double) s->brightest * k->most[c];
     const double norm = fmin(light * k->sum[c], s->flux[c] * k->norm[c]);
-    const double most = fmin(fmin((double) s->brightest * k->sum[c],
-                                  s->flux[c] * k->most[c]),
-                             light * k->norm[c]);
+    const double most =
+        fmin(fmin((double) s->brightest * k->sum[c], s->flux[c] * k->most[c]),
+             light * k->norm[c]);
     double sum = 0.0;
     for (double n = 1.0; n <= points; n *= 2.0) {
         const double mean = fmin(most * most, norm * norm / n);
@@ -138,7 +139,8 @@ double gp_fft_pixel_error(const struct gp_fft_placing *p,
 /* Noise spread evenly: `there` and `back` of each rounding of the transforms there
  * and back, the layer's norm being what Young's inequality allows. */
 static double spread(const struct gp_fft_placing *p, const struct gp_sources *s,
-    const struct gp_fft_norms *k, int c, double there, double back)
+                     const struct gp_fft_norms *k, int c, double there,
+                     double back)
 {
     const double points = (double) p->nx * p->ny, light = sqrt(s->energy[c]);
     const double forward = there * light * k->norm[c];
@@ -155,7 +157,8 @@ double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
 }
 
 double gp_fft_most_noise(const struct gp_fft_placing *p,
-    const struct gp_sources *s, const struct gp_fft_norms *k, int c)
+                         const struct gp_sources *s,
+                         const struct gp_fft_norms *k, int c)
 {
     static const double THERE = 10.0, BACK = 5.0; // deviations
     return spread(p, s, k, c, THERE * STAGE, BACK * ADDING);

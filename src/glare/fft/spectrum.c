@@ -61,8 +61,9 @@ void gp_fft_spectrum_free(struct gp_fft_spectrum *s)
 }
 
 gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
-    const struct gp_fft_request *fft, const struct gp_fft_placing *p,
-    struct gp_fft_spectrum *s)
+                               const struct gp_fft_request *fft,
+                               const struct gp_fft_placing *p,
+                               struct gp_fft_spectrum *s)
 {
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
@@ -83,9 +84,13 @@ gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
         planes.channels = k->grey ? 1 : 3;
     }
     // (rows of a real matrix take as many points as are in two blocks)
-    GP_TRY(gp_fft_matrix_make(
-        req->log, (struct gp_fft_numbers) {even, fft->in_double},
-        planes.channels, p->nx, kept ? p->ny : even ? 2 * n : n, &s->k.m));
+    GP_TRY(gp_fft_matrix_make(req->log,
+                              (struct gp_fft_numbers) {even, fft->in_double},
+                              planes.channels, p->nx,
+                              kept   ? p->ny
+                              : even ? 2 * n
+                                     : n,
+                              &s->k.m));
     GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *s->places,
                     &s->places));
     for (int j = 0; j < n; j++)

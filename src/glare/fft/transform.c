@@ -120,28 +120,29 @@ INLINE void dft7(struct point a[7])
 /* A pass of radix R over n = R * m * s points, of which s in turn have the same
  * factors: point q + s (p + m k), k in [0, R), of one small transform goes to
  * q + s (R p + j), times exp(-2 pi i j p / (R m)). */
-#define PASS(R)                                                               \
-    GP_CLONES_WIDE static void pass##R(const struct point *restrict in, int m,     \
-        int s, const real *restrict root, struct point *restrict out)         \
-    {                                                                         \
-        for (int p = 0; p < m; p++) {                                         \
-            const struct point *const from = in + (size_t) s * (size_t) p;    \
-            struct point *const to = out + (size_t) s * (size_t) (R * p);     \
-            for (int q = 0; q < s; q++) {                                     \
-                struct point a[R];                                            \
-                for (int k = 0; k < R; k++)                                   \
-                    a[k] = from[(size_t) q + (size_t) s * (size_t) m *        \
-                                                 (size_t) k];                 \
-                dft##R(a);                                                    \
-                to[q] = a[0];                                                 \
-                for (int j = 1; j < R; j++) {                                 \
-                    const real *const w = root + 2 * (size_t) (j * p * s);    \
-                    to[(size_t) q + (size_t) s * (size_t) j] =                \
-                        (struct point) {a[j].re * w[0] - a[j].im * w[1],      \
-                                        a[j].re * w[1] + a[j].im * w[0]};     \
-                }                                                             \
-            }                                                                 \
-        }                                                                     \
+#define PASS(R)                                                                \
+    GP_CLONES_WIDE static void pass##R(const struct point *restrict in, int m, \
+                                       int s, const real *restrict root,       \
+                                       struct point *restrict out)             \
+    {                                                                          \
+        for (int p = 0; p < m; p++) {                                          \
+            const struct point *const from = in + (size_t) s * (size_t) p;     \
+            struct point *const to = out + (size_t) s * (size_t) (R * p);      \
+            for (int q = 0; q < s; q++) {                                      \
+                struct point a[R];                                             \
+                for (int k = 0; k < R; k++)                                    \
+                    a[k] = from[(size_t) q +                                   \
+                                (size_t) s * (size_t) m * (size_t) k];         \
+                dft##R(a);                                                     \
+                to[q] = a[0];                                                  \
+                for (int j = 1; j < R; j++) {                                  \
+                    const real *const w = root + 2 * (size_t) (j * p * s);     \
+                    to[(size_t) q + (size_t) s * (size_t) j] =                 \
+                        (struct point) {a[j].re * w[0] - a[j].im * w[1],       \
+                                        a[j].re * w[1] + a[j].im * w[0]};      \
+                }                                                              \
+            }                                                                  \
+        }                                                                      \
     }
 PASS(2)
 PASS(3)
@@ -150,6 +151,12 @@ PASS(5)
 PASS(7)
 PASS(8)
 
+static void (*const pass[])(const struct point *, int, int, const real *,
+                            struct point *) = {
+    [2] = pass2, [3] = pass3, [4] = pass4,
+    [5] = pass5, [7] = pass7, [8] = pass8,
+};
+
 real *OF(transform)(const struct gp_transform *t, real *z, real *other)
 {
     struct point *from = (void *) z, *to = (void *) other;
@@ -157,14 +164,7 @@ real *OF(transform)(const struct gp_transform *t, real *z, real *other)
     for (int i = 0; i < t->passes; i++) {
         const int r = t->radix[i];
         m /= r;
-        switch (r) {
-        case 2: pass2(from, m, s, t->root, to); break;
-        case 3: pass3(from, m, s, t->root, to); break;
-        case 4: pass4(from, m, s, t->root, to); break;
-        case 5: pass5(from, m, s, t->root, to); break;
-        case 7: pass7(from, m, s, t->root, to); break;
-        case 8: pass8(from, m, s, t->root, to); break;
-        }
+        pass[r](from, m, s, t->root, to);
         s *= r;
         struct point *const next = from;
         from = to;
@@ -194,8 +194,7 @@ gp_status OF(transform_make)(const struct gp_log *log, int n,
     for (size_t i = 0; i < sizeof radices / sizeof *radices; i++) {
         // 16 as 4 and 4, not as 8 and 2
         while (rest % radices[i] == 0 &&
-               !(radices[i] == 8 && rest % 16 == 0 && rest % 32 != 0 &&
-                 rest % 64 != 0)) {
+               !(radices[i] == 8 && rest % 16 == 0 && rest % 32 != 0)) {
             t.radix[t.passes++] = (signed char) radices[i];
             rest /= radices[i];
         }
@@ -204,8 +203,8 @@ gp_status OF(transform_make)(const struct gp_log *log, int n,
         return gp_fail_bare(log, GP_ERR_BUG,
                             "transform: length %d has a factor over 7", n);
     real *root;
-    gp_status st = gp_alloc(log, "transform", (size_t) n, 2 * sizeof *root,
-                            &root);
+    gp_status st =
+        gp_alloc(log, "transform", (size_t) n, 2 * sizeof *root, &root);
     if (st)
         return st;
     for (int k = 0; k < n; k++) {

@@ -35,15 +35,16 @@ enum { GP_POINT_BYTES = 64 };
 struct gp_transform {
     int n, passes;
     signed char radix[30]; // of each pass
-    void *root;            // exp(-2 pi i k / n), k in [0, n), interleaved re, im
+    void *root; // exp(-2 pi i k / n), k in [0, n), interleaved re, im
 };
 
 /* Makes the transform of length n >= 1, a product of 2, 3, 5 and 7. Roots are
  * found in double. Errors: GP_ERR_BUG. Free with gp_transform_free(). */
 GP_MUST_CHECK gp_status gp_float_transform_make(const struct gp_log *log, int n,
-    struct gp_transform *out);
-GP_MUST_CHECK gp_status gp_double_transform_make(const struct gp_log *log, int n,
-    struct gp_transform *out);
+                                                struct gp_transform *out);
+GP_MUST_CHECK gp_status gp_double_transform_make(const struct gp_log *log,
+                                                 int n,
+                                                 struct gp_transform *out);
 void gp_transform_free(struct gp_transform *t);
 
 /* Transforms the n points of `z`; each has re of all lines, then im. `other` is

@@ -53,7 +53,8 @@ static void finish_columns(void *ctx, int block, int thread)
     const struct finishing *const f = ctx;
     const struct gp_transform *const t = &f->t[1];
     const size_t room = gp_transform_room(t->n) / sizeof(double);
-    double *const z = (double *) (void *) f->scratch + 2 * room * (size_t) thread;
+    double *const z =
+        (double *) (void *) f->scratch + 2 * room * (size_t) thread;
     const int x = block * LINES, n = t->n;
     const size_t from = (size_t) (x / GP_LANES * GP_LANES) * (size_t) n +
                         (size_t) (x % GP_LANES);
@@ -67,7 +68,8 @@ static void finish_columns(void *ctx, int block, int thread)
         }
     }
     const double *const out = gp_double_transform(t, z, z + room);
-    double *const to = (double *) f->m.z[0] + (size_t) block * f->m.pitch * POINT;
+    double *const to =
+        (double *) f->m.z[0] + (size_t) block * f->m.pitch * POINT;
     for (int y = f->first; y <= f->out->ry; y++) {
         const double *const row = out + (size_t) (y < 0 ? y + n : y) * POINT;
         double *const at = to + (size_t) (y - f->first) * POINT;
@@ -127,19 +129,30 @@ static void fold_row(void *ctx, int y, int thread)
 }
 
 static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
-    const struct gp_transform t[2], const double pixel[2], double fades,
-    const float luminance[3], struct gp_samples *out)
+                        const struct gp_transform t[2], const double pixel[2],
+                        double fades, const float luminance[3],
+                        struct gp_samples *out)
 {
     struct finishing f = {
-        .s = s, .t = t, .pixel = {pixel[0], pixel[1]}, .fades = fades,
-        .out = out, .luminance = luminance, .first = s->im[0] ? -out->ry : 0,
+        .s = s,
+        .t = t,
+        .pixel = {pixel[0], pixel[1]},
+        .fades = fades,
+        .out = out,
+        .luminance = luminance,
+        .first = s->im[0] ? -out->ry : 0,
     };
     const struct gp_fft_request fft = {
-        .log = log, .x = &t[0], .y = &t[1], .in_double = true, .channels = 1,
+        .log = log,
+        .x = &t[0],
+        .y = &t[1],
+        .in_double = true,
+        .channels = 1,
     };
     const int rows = out->ry + 1 - f.first;
-    gp_status st = gp_fft_matrix_make(
-        log, (struct gp_fft_numbers) {.in_double = true}, 1, t[0].n, rows, &f.m);
+    gp_status st =
+        gp_fft_matrix_make(log, (struct gp_fft_numbers) {.in_double = true}, 1,
+                           t[0].n, rows, &f.m);
     if (!st)
         st = gp_alloc(log, "kernel", 2 * (size_t) gp_threads(),
                       gp_transform_room(t[1].n), &f.scratch);

@@ -44,12 +44,12 @@ static size_t lag_at(const struct lags *a, int u, int v)
 struct correlator {
     const struct gp_pupil *pupil;
     int parts;
-    struct gp_transform t;   // of at least twice the pupil's cells, so that no
-                             // lag meets another
-    struct gp_fft_matrix m;  // the parts' half spectra, and those of the lags
-    float *boost;            // of each frequency, squared sincs undone
-    char *scratch;           // of a thread: two arrays of points each part
-    double nm;               // wavelength
+    struct gp_transform t;  // of at least twice the pupil's cells, so that no
+                            // lag meets another
+    struct gp_fft_matrix m; // the parts' half spectra, and those of the lags
+    float *boost;           // of each frequency, squared sincs undone
+    char *scratch;          // of a thread: two arrays of points each part
+    double nm;              // wavelength
     struct lags *a;
 };
 
@@ -88,8 +88,8 @@ out:
 /* Amplitudes t of n cells whose paths are so many nm, of `waves` a nm: re, or
  * im. */
 GP_CLONES static void add_path(const float *restrict t,
-    const float *restrict path, double waves, bool im, int n,
-    float *restrict to)
+                               const float *restrict path, double waves,
+                               bool im, int n, float *restrict to)
 {
     static const double ROUND = 0x1.8p52; // added, leaves whole numbers
     for (int x = 0; x < n; x++) {
@@ -131,8 +131,7 @@ GP_CLONES static void square(float *restrict a, float *restrict b,
         for (int i = 0; i < LANES; i++) {
             const float by = boost[k] * across[i];
             if (!b) {
-                a[LANES + i] = by * (a[i] * a[i] +
-                                     a[LANES + i] * a[LANES + i]);
+                a[LANES + i] = by * (a[i] * a[i] + a[LANES + i] * a[LANES + i]);
                 a[i] = 0.0f;
                 continue;
             }
@@ -155,8 +154,8 @@ static void correlate_columns(void *ctx, int block, int thread)
     const struct correlator *const c = ctx;
     const int n = c->t.n, cells = c->pupil->n;
     const size_t room = gp_transform_room(n) / sizeof(float);
-    float *const scratch =
-        (float *) (void *) c->scratch + 2 * (size_t) c->parts * room * (size_t) thread;
+    float *const scratch = (float *) (void *) c->scratch +
+                           2 * (size_t) c->parts * room * (size_t) thread;
     float *part[2] = {NULL, NULL}, *rows[2];
     for (int i = 0; i < c->parts; i++) {
         float *const in = scratch + 2 * room * (size_t) i;
@@ -169,8 +168,8 @@ static void correlate_columns(void *ctx, int block, int thread)
     square(part[0], part[1], c->boost, c->boost + block * GP_FLOAT_LINES, n);
     for (int i = 0; i < c->parts; i++) {
         float *const in = scratch + 2 * room * (size_t) i;
-        const float *const out = gp_float_transform(
-            &c->t, part[i], part[i] == in ? in + room : in);
+        const float *const out =
+            gp_float_transform(&c->t, part[i], part[i] == in ? in + room : in);
         for (int v = 0; v <= cells; v++) {
             for (int l = 0; l < POINT; l++)
                 rows[i][v * POINT + l] =
@@ -196,7 +195,10 @@ static gp_status correlate(const struct gp_log *log, struct correlator *c,
                            double nm)
 {
     const struct gp_fft_request fft = {
-        .log = log, .x = &c->t, .y = &c->t, .channels = c->parts,
+        .log = log,
+        .x = &c->t,
+        .y = &c->t,
+        .channels = c->parts,
     };
     c->nm = nm;
     gp_status st = gp_fft_rows_in(&fft, c->pupil->n, load_pupil_row, c, &c->m);

@@ -303,29 +303,34 @@ static void bounds_are_not_twice_too_large(void **state)
         enum bound b;
         struct toy t;
     } row[] = {
-        {FFT, {6, 3, 4, 8, 2, 6, "aaa8aaaaaaaaicctks",
-               ".LHL..LH.yLL...L92a7Xh.7X0.Xhhsf"}},
+        {FFT,
+         {6, 3, 4, 8, 2, 6, "aaa8aaaaaaaaicctks",
+          ".LHL..LH.yLL...L92a7Xh.7X0.Xhhsf"}},
         // each sample but the first is swallowed by the sum
-        {DIRECT, {1, 200, 1, 32, 0, 0, "0",
-                  "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
-        {DIRECT_SAMPLE, {1, 32, 1, 32, 0, 0, "0",
-                         "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
-        {FFT_SAMPLE, {6, 4, 2, 13, 1, 8, "Ln.LLHkHHL..rL..L.hcH.L.",
-                      "L.HLH.HX.LH.77L5Hy8LHHH..."}},
+        {DIRECT,
+         {1, 200, 1, 32, 0, 0, "0", "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
+        {DIRECT_SAMPLE,
+         {1, 32, 1, 32, 0, 0, "0", "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
+        {FFT_SAMPLE,
+         {6, 4, 2, 13, 1, 8, "Ln.LLHkHHL..rL..L.hcH.L.",
+          "L.HLH.HX.LH.77L5Hy8LHHH..."}},
         {FFT_PIXEL,
          {12, 1, 13, 12, 5, 3, "6h567i565655",
-          "........HH......LXX.L.X.....X.......LLLXXXX.l.XXXXHX.L...LL...X...LXX"
-          "X....X....X.......X.H....XXX..XXXXXLLL..X..X....X.X....XL.XX....XX.X."
+          "........HH......LXX.L.X.....X.......LLLXXXX.l.XXXXHX.L...LL...X..."
+          "LXX"
+          "X....X....X.......X.H....XXX..XXXXXLLL..X..X....X.X....XL.XX....XX."
+          "X."
           "..L.L.XL..H......."}},
-        {DIRECT_PIXEL, {1, 32, 1, 32, 0, 0, "0",
-                        "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
-        {CORE, {3, 11, 7, 12, 0, 12, "468.006.8.70400090082..84.00.8qdh",
-                "2.....44.p7..44.m0000w...078...hl4f...6554a999rri.i0k.d.5..6c."
-                "pp..n47a.........d4..r"}},
+        {DIRECT_PIXEL,
+         {1, 32, 1, 32, 0, 0, "0", "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
+        {CORE,
+         {3, 11, 7, 12, 0, 12, "468.006.8.70400090082..84.00.8qdh",
+          "2.....44.p7..44.m0000w...078...hl4f...6554a999rri.i0k.d.5..6c."
+          "pp..n47a.........d4..r"}},
         // single lights, and light everywhere: of cells that the frame cuts,
         // and where only one end of a cell sees the kernel's edge
-        {LEAST, {5, 7, 7, 1, 4, 1, "g2444cmgjgfsss6t6obll2goo7dgggbgg2g",
-                 "...n..."}},
+        {LEAST,
+         {5, 7, 7, 1, 4, 1, "g2444cmgjgfsss6t6obll2goo7dgggbgg2g", "...n..."}},
         {LEAST, {8, 8, 17, 17, 8, 8, "0", "0"}},
         {LEAST, {9, 8, 19, 17, 9, 8, "0", "0"}},
         {LEAST, {8, 11, 17, 23, 8, 11, "0", "0"}},

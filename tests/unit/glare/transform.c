@@ -90,7 +90,7 @@ static void fill(struct bank *b, uint32_t seed)
 {
     for (int i = 0; i < b->t.n * b->form->lines; i++)
         b->in[i] = CMPLX((double) scene_random(&seed) - 0.5,
-                        (double) scene_random(&seed) - 0.5);
+                         (double) scene_random(&seed) - 0.5);
 }
 
 /* exp(-2 pi i k / n) of k in [0, n). Free it. */
@@ -120,7 +120,7 @@ static long double complex plain(const double complex *z, int n, int k,
  * these by some frequencies. */
 static void lines_are_transforms(void **state)
 {
-    static const int longer[] = {640, 1024, 1400, 1536, 2048, 2401, 2560, 2700,
+    static const int longer[] = {640,  1024, 1400, 1536, 2048, 2401, 2560, 2700,
                                  3125, 4050, 4096, 4374, 6561, 8192, 16384};
     for (size_t f = 0; f < COUNT(forms); f++) {
         double worst = 0.0;
@@ -174,9 +174,11 @@ static void laws_hold(void **state)
         const double most = 16.0 * forms[f].eps;
         for (size_t i = 0; i < COUNT(lengths); i++) {
             const int n = lengths[i], lines = forms[f].lines;
-            struct bank a = bank_open(&forms[f], n), b = bank_open(&forms[f], n);
+            struct bank a = bank_open(&forms[f], n),
+                        b = bank_open(&forms[f], n);
             long double complex *const root = roots_of(n);
-            long double there = 0.0L, energy = 0.0L, again = 0.0L, turned = 0.0L;
+            long double there = 0.0L, energy = 0.0L, again = 0.0L,
+                        turned = 0.0L;
             fill(&a, 7u);
             bank_run(&a, false);
             memcpy(b.in, a.out, sizeof *b.in * (size_t) (n * lines));
@@ -184,7 +186,8 @@ static void laws_hold(void **state)
             for (int k = 0; k < n * lines; k++) {
                 there += square_of(a.in[k]);
                 energy += square_of(a.out[k]) / n;
-                again += square_of((long double complex) b.out[k] / n - a.in[k]);
+                again +=
+                    square_of((long double complex) b.out[k] / n - a.in[k]);
             }
             assert_true(fabsl(energy / there - 1.0L) < most);
             assert_true(sqrtl(again / there) < most);
@@ -192,7 +195,8 @@ static void laws_hold(void **state)
                 b.in[k] = a.in[k / n * n + (k + 3) % n];
             bank_run(&b, false);
             for (int k = 0; k < n * lines; k++)
-                turned += square_of(b.out[k] * root[3LL * (k % n) % n] - a.out[k]);
+                turned +=
+                    square_of(b.out[k] * root[3LL * (k % n) % n] - a.out[k]);
             assert_true(sqrtl(turned / (energy * n)) < most);
             free(root);
             bank_close(&a);
@@ -222,8 +226,9 @@ static void lines_do_not_meet(void **state)
 /* The lengths that are asked for are the least there are. */
 static void lengths_are_the_least(void **state)
 {
-    static const int row[][2] = {{1, 8}, {8, 8}, {9, 16}, {41, 48}, {145, 160},
-                                 {1081, 1120}, {2049, 2160}, {4097, 4200}};
+    static const int row[][2] = {{1, 8},       {8, 8},      {9, 16},
+                                 {41, 48},     {145, 160},  {1081, 1120},
+                                 {2049, 2160}, {4097, 4200}};
     struct gp_transform t;
     for (size_t i = 0; i < COUNT(row); i++)
         assert_int_equal(gp_fft_length(row[i][0]), row[i][1]);
