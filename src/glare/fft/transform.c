@@ -125,19 +125,20 @@ INLINE void dft7(struct point a[7])
                                        int s, const real *restrict root,       \
                                        struct point *restrict out)             \
     {                                                                          \
+        enum { N = (R) };                                                      \
+        const size_t step = (size_t) s;                                        \
         for (int p = 0; p < m; p++) {                                          \
-            const struct point *const from = in + (size_t) s * (size_t) p;     \
-            struct point *const to = out + (size_t) s * (size_t) (R * p);      \
-            for (int q = 0; q < s; q++) {                                      \
-                struct point a[R];                                             \
-                for (int k = 0; k < R; k++)                                    \
-                    a[k] = from[(size_t) q +                                   \
-                                (size_t) s * (size_t) m * (size_t) k];         \
+            const struct point *const from = in + step * (size_t) p;           \
+            struct point *const to = out + step * (size_t) (N * p);            \
+            for (size_t q = 0; q < step; q++) {                                \
+                struct point a[N];                                             \
+                for (size_t k = 0; k < N; k++)                                 \
+                    a[k] = from[q + step * (size_t) m * k];                    \
                 dft##R(a);                                                     \
                 to[q] = a[0];                                                  \
-                for (int j = 1; j < R; j++) {                                  \
+                for (int j = 1; j < N; j++) {                                  \
                     const real *const w = root + 2 * (size_t) (j * p * s);     \
-                    to[(size_t) q + (size_t) s * (size_t) j] =                 \
+                    to[q + step * (size_t) j] =                                \
                         (struct point) {a[j].re * w[0] - a[j].im * w[1],       \
                                         a[j].re * w[1] + a[j].im * w[0]};      \
                 }                                                              \
@@ -195,7 +196,7 @@ gp_status OF(transform_make)(const struct gp_log *log, int n,
         // 16 as 4 and 4, not as 8 and 2
         while (rest % radices[i] == 0 &&
                !(radices[i] == 8 && rest % 16 == 0 && rest % 32 != 0)) {
-            t.radix[t.passes++] = (signed char) radices[i];
+            t.radix[t.passes++] = (unsigned char) radices[i];
             rest /= radices[i];
         }
     }

@@ -34,7 +34,7 @@ enum { GP_POINT_BYTES = 64 };
 /* A transform of one length in one precision, for any thread. */
 struct gp_transform {
     int n, passes;
-    signed char radix[30]; // of each pass
+    unsigned char radix[30]; // of each pass
     void *root; // exp(-2 pi i k / n), k in [0, n), interleaved re, im
 };
 
