@@ -199,6 +199,7 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     s->spectrum.rows = (struct gp_fft_rows) {rows, places};
     s->spectrum.scale = 0.25 / ((double) nx * ny);
     GP_TRY(gp_fft_make_kernel(&fft, &s->spectrum));
+    s->spectrum.rows = (struct gp_fft_rows) {0}; // their places end here
     GP_TRY(find_error(log, t, s));
     for (int i = 0; i < t->split.step; i++) {
         double b[TAPS];

@@ -74,13 +74,16 @@ static struct gp_fft_norms norms_of(const struct gp_kernel *k)
     struct gp_fft_norms o;
     for (int c = 0; c < 3; c++) {
         double v[3] = {0};
+        if (c > 0 && k->grey) {
+            o.sum[c] = o.sum[0];
+            o.norm[c] = o.norm[0];
+            o.most[c] = o.most[0];
+            continue;
+        }
         const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
         const size_t n = (size_t) k->w * (size_t) k->h;
         const float *const all = k->k.c[c];
-        if (c > 0 && k->grey) {
-            memcpy(v, (double[]) {o.sum[0], o.norm[0] * o.norm[0], o.most[0]},
-                   sizeof v);
-        } else if (centre_of(k, c) > 0.0f) {
+        if (centre_of(k, c) > 0.0f) {
             add_norms(all, at, v);
             add_norms(all + at + 1, n - at - 1, v);
         } else {
@@ -104,7 +107,7 @@ struct light_rows {
     float centre[3], noise[3];  // of the kernel; samples up to it become 0
     struct gp_layer_rest *rest; // or NULL
     int *y;                     // of row j of light
-    double *dropped; // by channel and row of the layer: sum of squares
+    int *lost; // by channel and row of the layer: samples up to noise
 };
 
 static void load_light_row(const void *ctx, int c, int j, float *z)
@@ -116,29 +119,17 @@ static void load_light_row(const void *ctx, int c, int j, float *z)
         z[s->x[i] - r->p->in.x0] = s->rgb[c][i];
 }
 
-/* Copies n samples, those under `noise` as black. Returns the sum of squares of
- * those that were not. */
-GP_CLONES static double take_row(const float *restrict z, int n, float noise,
-                                 float *restrict row)
+/* Copies n samples, those up to `noise` as black. Returns how many of these were
+ * over 0. */
+GP_CLONES static int take_row(const float *restrict z, int n, float noise,
+                              float *restrict row)
 {
-    enum { LANES = 8 };
-    float lost[LANES] = {0}, sum = 0.0f;
-    int x = 0;
-    for (; x + LANES <= n; x += LANES) {
-        for (int i = 0; i < LANES; i++) {
-            const float v = z[x + i], kept = v > noise ? v : 0.0f;
-            const float less = gp_maxf(v - kept, 0.0f);
-            row[x + i] = kept;
-            lost[i] += less * less;
-        }
-    }
-    for (; x < n; x++) {
+    int lost = 0;
+    for (int x = 0; x < n; x++) {
         row[x] = z[x] > noise ? z[x] : 0.0f;
-        sum += z[x] > 0.0f ? (z[x] - row[x]) * (z[x] - row[x]) : 0.0f;
+        lost += (z[x] > 0.0f) & (z[x] <= noise);
     }
-    for (int i = 0; i < LANES; i++)
-        sum += lost[i];
-    return (double) sum;
+    return lost;
 }
 
 /* Output row j back to the layer, and with the rest: places start at the box's
@@ -154,11 +145,10 @@ static void store_layer_row(const void *ctx, int c, int j, int thread,
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
     const int first = gp_fft_wrap(p->out.x0 - p->in.x0, p->nx);
     const int n = gp_rect_w(p->out), upper = gp_min(n, p->nx - first);
-    const double lost =
+    r->lost[c * src->h + y] =
         take_row(z + first, upper, r->noise[c], row + p->out.x0) +
         take_row(z, n - upper, r->noise[c], row + p->out.x0 + upper);
     memset(row + p->out.x1, 0, (size_t) (src->w - p->out.x1) * sizeof *row);
-    r->dropped[c * src->h + y] = lost;
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
         row[src->x[i]] += src->rgb[c][i] * r->centre[c];
     if (r->rest)
@@ -205,8 +195,8 @@ static gp_status find_pair(const struct gp_glare_request *req,
     return gp_fft_pair_make(req->log, p->nx, p->ny, in_double, s->pair);
 }
 
-/* Transforms the sources with the kernel into the layer. Returns what became
- * black in *dropped, its sum of squares. */
+/* Transforms the sources with the kernel into the layer. *dropped is the most that
+ * became black, its sum of squares. */
 static gp_status transform(const struct gp_glare_request *req,
                            struct fft_state *s, const struct gp_fft_placing *p,
                            bool in_double, double *dropped)
@@ -245,7 +235,7 @@ static gp_status transform(const struct gp_glare_request *req,
                 : (float) noise_of(req, p, &s->norms, in_double, c);
     }
     GP_TRY(gp_alloc_zero(req->log, "transform", 3 * (size_t) src->h,
-                         sizeof *light.dropped, &light.dropped));
+                         sizeof *light.lost, &light.lost));
     GP_TRY(gp_fft_matrix_make(req->log,
                               (struct gp_fft_numbers) {.in_double = in_double},
                               1, p->nx, gp_max(rows.n, count), &s->work));
@@ -259,14 +249,16 @@ static gp_status transform(const struct gp_glare_request *req,
     gp_parallel_do(src->h - count, store_dark_row, &light);
     if (req->rest)
         req->rest->added = true;
-    for (int i = 0; light.dropped && i < 3 * src->h; i++)
-        *dropped += light.dropped[i];
+    for (int i = 0; i < 3 * src->h; i++) {
+        const double noise = (double) light.noise[i / src->h];
+        *dropped += light.lost[i] ? light.lost[i] * noise * noise : 0.0;
+    }
     if (req->params->last)
         gp_fft_spectrum_free(&s->spectrum);
 out:
     gp_fft_matrix_free(&s->work);
     gp_free(light.y);
-    gp_free(light.dropped);
+    gp_free(light.lost);
     gp_free(place);
     return st;
 }
@@ -396,13 +388,16 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
     if (st)
         return st;
     struct fft_state *const s = *state;
-    const double least = gp_fft_least(src, &s->quarters);
+    double least = gp_fft_least(src, &s->quarters);
     if (!(req->stats->bound > 0.0))
         req->stats->bound = bound_of(req, &f, s, least);
     if (f.p.nx)
         st = transform(req, s, &f.p, f.in_double, &dropped);
     else
         gp_planes_clear(req->layer, 0, (size_t) src->w * (size_t) src->h);
+    // (a bound may be known by the limit for these sources alone)
+    if (!st && dropped > 0.0 && !(least > 0.0) && req->stats->bound < INFINITY)
+        st = gp_layer_least(req->log, src, req->kernel, &least);
     req->stats->bound += dropped > 0.0 ? sqrt(dropped) / least : 0.0;
     req->stats->fft_w = f.p.nx;
     req->stats->fft_h = f.p.ny;
