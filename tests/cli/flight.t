@@ -203,7 +203,14 @@ verdicts verdicts
 # many fit, is the peak within 1.3, with other channels too. Small frames that
 # grow are fast to make.
 # Frames in flight take half of the memory at most. The second line shows that
-# the frames would take more if they were let.
+# the frames would take more if they were let: in one of three runs, as on a busy
+# machine three frames may not meet.
+three_of()
+{
+    for run in 1 2 3; do
+        "$1" --frame-jobs 3
+    done | sort -g | tail -n 1
+}
 guarded()
 {
     "$glarepp" -q --threads 2 --grow 900 -e direct -k k9.exr -o 'g.#.exr' \
@@ -219,7 +226,7 @@ if sanitized; then
     skip 2 'a sanitizer takes memory of its own'
 else
     one=$(guarded --frame-jobs 1)
-    three=$(guarded --frame-jobs 3)
+    three=$(three_of guarded)
     limited=$( (ulimit -v 350000 && guarded))
     note "peaks: $one MiB of one frame, $three of three, $limited where 350 MB are allowed"
     ok 'memory: ulimit -v allows one frame in flight' \
@@ -242,7 +249,7 @@ if sanitized; then
     skip 2 'a sanitizer takes memory of its own'
 else
     one=$(wide --frame-jobs 1)
-    three=$(wide --frame-jobs 3)
+    three=$(three_of wide)
     limited=$( (ulimit -v 350000 && wide))
     note "peaks with a wide kernel: $one MiB of one frame, $three of three, $limited where 350 MB are allowed"
     ok 'memory: ulimit -v allows one frame beside a wide kernel' \
