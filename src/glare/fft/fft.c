@@ -110,13 +110,48 @@ struct light_rows {
     int *lost; // by channel and row of the layer: samples up to noise
 };
 
-static void load_light_row(const void *ctx, int c, int j, float *z)
+enum { RUN = 16 }; // pixels
+
+/* Tests whether the RUN sources from i on, of those before `end`, lie side by
+ * side in their row. */
+static bool is_run(const struct gp_sources *s, uint32_t i, uint32_t end)
+{
+    return end - i >= RUN && s->x[i + RUN - 1] - s->x[i] == RUN - 1;
+}
+
+GP_CLONES static void load_light_row(const void *ctx, int c, int j, float *z)
 {
     const struct light_rows *const r = ctx;
     const struct gp_sources *const s = r->src;
-    const int y = r->y[j];
-    for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-        z[s->x[i] - r->p->in.x0] = s->rgb[c][i];
+    const float *const light = s->rgb[c];
+    const uint32_t end = s->row[r->y[j] + 1];
+    for (uint32_t i = s->row[r->y[j]]; i < end;) {
+        float *const to = z + (s->x[i] - r->p->in.x0);
+        if (is_run(s, i, end)) {
+            memcpy(to, light + i, RUN * sizeof *to);
+            i += RUN;
+        } else {
+            *to = light[i++];
+        }
+    }
+}
+
+/* Adds light times `by` to the pixels of row y. */
+GP_CLONES static void add_centres(const struct gp_sources *s,
+                                  const float *restrict light, int y, float by,
+                                  float *restrict row)
+{
+    const uint32_t end = s->row[y + 1];
+    for (uint32_t i = s->row[y]; i < end;) {
+        float *const to = row + s->x[i];
+        if (is_run(s, i, end)) {
+            for (uint32_t j = 0; j < RUN; j++)
+                to[j] += light[i + j] * by;
+            i += RUN;
+        } else {
+            *to += light[i++] * by;
+        }
+    }
 }
 
 /* Copies n samples, those up to `noise` as black. Returns how many of these were
@@ -149,8 +184,7 @@ static void store_layer_row(const void *ctx, int c, int j, int thread,
         take_row(z + first, upper, r->noise[c], row + p->out.x0) +
         take_row(z, n - upper, r->noise[c], row + p->out.x0 + upper);
     memset(row + p->out.x1, 0, (size_t) (src->w - p->out.x1) * sizeof *row);
-    for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
-        row[src->x[i]] += src->rgb[c][i] * r->centre[c];
+    add_centres(src, src->rgb[c], y, r->centre[c], row);
     if (r->rest)
         r->rest->add(r->rest->ctx, c * src->h + y, thread);
 }

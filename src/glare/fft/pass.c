@@ -9,6 +9,13 @@
 
 enum { ROWS = 2 * LINES }; // of a block of lines
 
+/* Samples from row to row of a block in scratch: a cache line over n, as rows
+ * must not share the sets of a cache; they end in the gap after the points. */
+static size_t pitch_of(int n)
+{
+    return (size_t) n + 16;
+}
+
 /* Samples of a row in float, of as many points as there are lines. */
 typedef float flat
     __attribute__((vector_size(4 * LINES), aligned(4), may_alias));
@@ -29,8 +36,8 @@ INLINE void transpose(lines v[LINES])
 
 /* Rows of n samples, `pitch` apart, to the re of n points from the first row, to
  * their im from the second, and so on. */
-GP_CLONES static void weave(const float *rows, size_t pitch, int n,
-                            struct point *z)
+GP_CLONES_WIDE static void weave(const float *rows, size_t pitch, int n,
+                                 struct point *z)
 {
     for (int x = 0; x < n; x += LINES) {
         lines re[LINES], im[LINES];
@@ -48,8 +55,8 @@ GP_CLONES static void weave(const float *rows, size_t pitch, int n,
 }
 
 /* The inverse, of points whose re and im are exchanged. */
-GP_CLONES static void unweave(const struct point *z, int n, size_t pitch,
-                              float *rows)
+GP_CLONES_WIDE static void unweave(const struct point *z, int n, size_t pitch,
+                                   float *rows)
 {
     for (int x = 0; x < n; x += LINES) {
         lines re[LINES], im[LINES];
@@ -69,8 +76,8 @@ GP_CLONES static void unweave(const struct point *z, int n, size_t pitch,
 
 /* Spectra z of LINES pairs of rows to twice the spectra of the rows: of block b
  * of columns to m[b * pitch + row]. */
-GP_CLONES static void part(const struct point *z, int n, int blocks,
-                           size_t pitch, struct point *m)
+GP_CLONES_WIDE static void part(const struct point *z, int n, int blocks,
+                                size_t pitch, struct point *m)
 {
     for (int b = 0; b < blocks; b++, m += pitch) {
         struct {
@@ -96,8 +103,8 @@ GP_CLONES static void part(const struct point *z, int n, int blocks,
 }
 
 /* The inverse, to points whose re and im are exchanged. */
-GP_CLONES static void join(const struct point *m, size_t pitch, int blocks,
-                           int n, struct point *z)
+GP_CLONES_WIDE static void join(const struct point *m, size_t pitch, int blocks,
+                                int n, struct point *z)
 {
     for (int b = 0; b < blocks; b++, m += pitch) {
         struct {
@@ -127,16 +134,16 @@ GP_CLONES static void join(const struct point *m, size_t pitch, int blocks,
 }
 
 /* z times a kernel's spectrum, re and im exchanged. */
-GP_CLONES static void times(struct point *restrict z,
-                            const struct point *restrict k, int n)
+GP_CLONES_WIDE static void times(struct point *restrict z,
+                                 const struct point *restrict k, int n)
 {
     for (int y = 0; y < n; y++)
         z[y] = (struct point) {z[y].re * k[y].im + z[y].im * k[y].re,
                                z[y].re * k[y].re - z[y].im * k[y].im};
 }
 
-GP_CLONES static void times_real(struct point *restrict z,
-                                 const lines *restrict k, int n)
+GP_CLONES_WIDE static void times_real(struct point *restrict z,
+                                      const lines *restrict k, int n)
 {
     for (int y = 0; y < n; y++)
         z[y] = (struct point) {z[y].im * k[y], z[y].re * k[y]};
@@ -184,10 +191,11 @@ void OF(rows_in)(void *ctx, int i, int thread)
     struct task t = open_task(s, i, thread);
     const int n = s->t->n, first = t.block * ROWS;
     float *const rows = (void *) t.other;
-    memset(rows, 0, sizeof *rows * ROWS * (size_t) n);
+    const size_t pitch = pitch_of(n);
+    memset(rows, 0, sizeof *rows * ROWS * pitch);
     for (int j = 0; j < ROWS && first + j < s->rows.n; j++)
-        s->load(s->ctx, t.c, first + j, rows + (size_t) j * (size_t) n);
-    weave(rows, (size_t) n, n, t.z);
+        s->load(s->ctx, t.c, first + j, rows + (size_t) j * pitch);
+    weave(rows, pitch, n, t.z);
     part(transform(s, &t), n, s->m->blocks, s->m->pitch,
          block_of(s->m, t.c, 0) + first);
 }
@@ -208,7 +216,7 @@ static void place_rows(const struct gp_fft_rows *r, int n,
     memset(to + at, 0, sizeof *to * (size_t) (n - at));
 }
 
-GP_CLONES static void scale(struct point *z, real by, int n)
+GP_CLONES_WIDE static void scale(struct point *z, real by, int n)
 {
     for (int y = 0; y < n; y++)
         z[y] = (struct point) {z[y].re * by, z[y].im * by};
@@ -280,8 +288,8 @@ void OF(rows_out)(void *ctx, int i, int thread)
     join(block_of(s->m, t.c, 0) + first, s->m->pitch, s->m->blocks, n, t.z);
     transform(s, &t);
     float *const rows = (void *) t.other;
-    unweave(t.z, n, (size_t) n, rows);
+    const size_t pitch = pitch_of(n);
+    unweave(t.z, n, pitch, rows);
     for (int j = 0; j < ROWS && first + j < s->rows.n; j++)
-        s->store(s->ctx, t.c, first + j, thread,
-                 rows + (size_t) j * (size_t) n);
+        s->store(s->ctx, t.c, first + j, thread, rows + (size_t) j * pitch);
 }
