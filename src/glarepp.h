@@ -374,7 +374,12 @@ struct glarepp_layer_params {
 
 // -- lights -------------------------------------------------------------------
 
-enum glarepp_place { GLAREPP_PIXEL, GLAREPP_WORLD, GLAREPP_DIRECTION };
+enum glarepp_place {
+    GLAREPP_PIXEL,
+    GLAREPP_WORLD,
+    GLAREPP_DIRECTION,
+    GLAREPP_FOUND, // where another frame showed it: `found`
+};
 
 /* A sun or lamp. */
 struct glarepp_light {
@@ -425,12 +430,20 @@ struct glarepp_light_params {
     int side;              // of a mask, texels, 2 to 256, even
     bool square, bytes;    // of a mask: pattern; summed in 8 bits
     bool faded;            // a flare of lights may have none with flux
+    /* Lights that SENSE finds, the brightest blobs over the threshold, to 256; of
+     * their pixels, nothing hides them. They have the names of the FOUND lights
+     * given, else of those of the first frame, lamp1 and on, that are next to
+     * them. 0: only those that FOUND lights name, and 32 where a flare or a lens
+     * needs lights and none may be there. */
+    int found;
 };
-#define GLAREPP_LIGHT_PARAMS                                                  \
-    { sizeof(struct glarepp_light_params), NULL, 0, NULL, NULL,               \
-      GLAREPP_LIGHT, NULL, 0.533f,                                            \
-      GLAREPP_EXACT, GLAREPP_IGNORE, GLAREPP_Z, GLAREPP_NDC_AUTO, false,      \
-      false, 0.0f, 16, false, false, false }
+#define GLAREPP_LIGHT_PARAMS                                                   \
+    {                                                                          \
+        sizeof(struct glarepp_light_params), NULL, 0, NULL, NULL,              \
+            GLAREPP_LIGHT, NULL, 0.533f, GLAREPP_EXACT, GLAREPP_IGNORE,        \
+            GLAREPP_Z, GLAREPP_NDC_AUTO, false, false, 0.0f, 16, false, false, \
+            false, 0                                                           \
+    }
 
 /* Ghosts of a real lens. */
 struct glarepp_lens_params {
@@ -722,6 +735,7 @@ struct glarepp_share {
     bool behind, in_frame;
     double visibility;          // 0 hidden to 1 clear
     double low, high;           // between which the true share is
+    bool found;                 // by SENSE
 };
 
 struct glarepp_flare_facts {    // of bright pixels

@@ -91,9 +91,7 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
 {
     struct gp_image *const image = &f->image;
     struct glarepp_lens_facts *const facts = &f->facts.lens;
-    const struct gp_suns none = {0};
-    const struct gp_suns *const suns =
-        f->work->lights ? &f->work->lights->suns : &none;
+    const struct gp_suns *const suns = &f->work->lights->suns;
     struct gp_lens_light *light = NULL;
     struct glarepp_lens_facts found = {0};
     struct gp_lens lens;
@@ -136,8 +134,9 @@ out:
 
 gp_status gp_api_lens(struct glarepp_frame *f)
 {
-    enum { FEW = 8 }; // hidden lights count: nothing changes as they appear
-    const int n = f->work->lights ? f->work->lights->suns.n : 0;
+    enum { FEW = 8 }; // hidden ones count: nothing changes as they appear
+    const struct gp_suns *const suns = &f->work->lights->suns;
+    const int n = suns->placed + gp_max(f->plan->sun.found, suns->knowns);
     const int asked = f->plan->lens_params.detail;
     const gp_status st = gp_api_dark_layer(&f->log, &f->image);
     return st ? st

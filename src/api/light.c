@@ -116,15 +116,22 @@ static gp_status note_shares(struct glarepp_frame *f)
     if (st)
         return st;
     if (f->p.details)
-        gp_sun_interval(o, suns->p->outside, suns->light, suns->n);
+        gp_sun_interval(o, suns->p->outside, suns->light, suns->placed);
     for (int i = 0; i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
         struct glarepp_share *const s = &f->share[i];
         *s = (struct glarepp_share) {
-            .x = l->x, .y = l->y, .radius = l->radius, .depth = l->depth,
-            .flux = {l->flux[0], l->flux[1], l->flux[2]}, .behind = l->behind,
-            .in_frame = l->in_frame, .visibility = l->visibility,
-            .low = l->low, .high = l->high,
+            .x = l->x,
+            .y = l->y,
+            .radius = l->radius,
+            .depth = l->depth,
+            .flux = {l->flux[0], l->flux[1], l->flux[2]},
+            .behind = l->behind,
+            .in_frame = l->in_frame,
+            .visibility = l->visibility,
+            .low = l->low,
+            .high = l->high,
+            .found = l->found,
         };
         memcpy(s->name, l->name, sizeof s->name);
     }
@@ -156,6 +163,32 @@ gp_status gp_api_shares(struct glarepp_frame *f)
     if (!st && suns->gl)
         f->facts.shares_gl = gp_gl_info(suns->gl)->name;
     return st || !f->plan->lights ? st : note_shares(f);
+}
+
+/* Finds the lights that the frame shows. Those of the first frame become known. */
+gp_status gp_api_spot(struct glarepp_frame *f)
+{
+    struct glarepp_plan *const plan = f->plan;
+    struct gp_suns *const suns = &f->work->lights->suns;
+    const int most = plan->sun.found ? plan->sun.found
+                     : suns->knowns  ? 0
+                                     : GP_FOUND_USUAL;
+    pthread_mutex_lock(&plan->lock); // all of it: frames may wait for the first
+    const struct glarepp_light *const known =
+        suns->knowns ? suns->known : plan->known;
+    const int knowns = suns->knowns ? suns->knowns : plan->knowns;
+    const gp_status st = gp_suns_spot(&f->log, &f->sources, &f->image, known,
+                                      knowns, most, suns);
+    for (int i = suns->placed; i < suns->n && !st && !knowns; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        struct glarepp_light *const k = &plan->known[plan->knowns++];
+        *k =
+            (struct glarepp_light) {.place = GLAREPP_FOUND, .at = {l->x, l->y}};
+        memcpy(k->flux, l->flux, sizeof k->flux);
+        memcpy(k->name, l->name, sizeof k->name);
+    }
+    pthread_mutex_unlock(&plan->lock);
+    return st ? st : note_shares(f);
 }
 
 gp_status gp_api_flare(struct glarepp_frame *f)

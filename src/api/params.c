@@ -2,7 +2,7 @@
 /* Parameters as a caller gives them: of whatever version, each in its range. */
 #include "api/api.h"
 
-#include "sun/lights.h"
+#include "sun/found.h"
 
 #include <float.h>
 #include <limits.h>
@@ -48,7 +48,7 @@ static const struct range ranges[] = {
     LAYER(edges, 0, GLAREPP_MIRROR), LAYER(gl, 0, GLAREPP_EGL),
     LAYER(group, 1, 64), LAYER(cluster, 0, 64),
     LAYER(cluster_fill, FLT_MIN, 1), LAYER(shrink, 0, 0.99),
-    LIGHT(place, 0, GLAREPP_DIRECTION), LIGHT(at[0], -1e15, 1e15),
+    LIGHT(place, 0, GLAREPP_FOUND), LIGHT(at[0], -1e15, 1e15),
     LIGHT(at[1], -1e15, 1e15), LIGHT(at[2], -1e15, 1e15),
     LIGHT(radius, -1e9, 1e9), LIGHT(degrees, 0, 90), LIGHT(ball, 0, 1e15),
     LIGHT(bias, 0, 1), LIGHT(flux[0], 0, 1e30), LIGHT(flux[1], 0, 1e30),
@@ -58,6 +58,7 @@ static const struct range ranges[] = {
     LIGHTS(degrees, 0, 90), LIGHTS(method, 0, GLAREPP_READBACK),
     LIGHTS(outside, 0, GLAREPP_BY_SCENE), LIGHTS(depth, 0, GLAREPP_NORMALIZED),
     LIGHTS(ndc, 0, GLAREPP_NDC_CLIP), LIGHTS(adapt, 0, 1), LIGHTS(side, 2, 256),
+    LIGHTS(found, 0, GP_FOUND_MOST),
     LENS(sensor, 0, 1e4), LENS(distance, 0, 1e9), LENS(f_number, 0, 1e4),
     LENS(detail, 0, 3),
     SCENE(up, 0, GLAREPP_UP_Z), SCENE(start, -1e9, 1e9),

@@ -263,7 +263,8 @@ gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
     if (w)
         return GP_OK;
     GP_TRY(gp_alloc_zero(&plan->log, "plan", 1, sizeof *w, &w));
-    if (plan->lights || plan->sun.flare)
+    if (plan->lights || plan->sun.flare || plan->sun.found ||
+        plan->lens_params.lens)
         GP_TRY(gp_api_lights_begin(plan, w));
     if (plan->scene.path)
         GP_TRY(gp_api_scene_begin(plan, w));

@@ -11,6 +11,7 @@
 #include "glare/sensors.h"
 #include "scene/eye.h"
 #include "scene/gltf/gltf.h"
+#include "sun/found.h"
 #include "sun/ghosts.h"
 #include "sun/lens.h"
 #include "sun/stage.h"
@@ -93,8 +94,10 @@ struct glarepp_plan {
     struct gp_rect reach;          // of a kernel for one pixel
     struct gp_lens lens;           // not focused
     struct gp_ocio *ocio;          // NULL: tone maps
-    pthread_mutex_t lock;          // of the next one, and of notes of `ocio`
+    pthread_mutex_t lock;          // of the next three, and of notes of `ocio`
     struct gp_api_work *work;      // not lent
+    struct glarepp_light known[GP_FOUND_MOST]; // lights of the first frame that
+    int knowns;                    // showed some, which name those of others
     atomic_uint said;              // GP_SAID_*
     struct glarepp_plan_facts facts;
     const char **file;             // of facts; owned
@@ -105,6 +108,15 @@ struct glarepp_plan {
 GP_MUST_CHECK gp_status gp_api_lend(struct glarepp_plan *plan,
                                     struct gp_api_work **out);
 void gp_api_give_back(struct glarepp_plan *plan, struct gp_api_work **work);
+
+/* Returns true where SENSE finds lights. */
+static inline bool gp_api_spots(const struct glarepp_plan *plan,
+                                const struct gp_suns *suns)
+{
+    return plan->sun.found || suns->knowns ||
+           (!plan->lights && (plan->lens_params.lens ||
+                              gp_flare_has(&suns->flare, GP_FLARE_LIGHTS)));
+}
 
 /* Returns true, once a plan, for a warning. */
 static inline bool gp_api_says(struct glarepp_plan *plan, unsigned bit)
@@ -182,6 +194,7 @@ gp_status gp_api_pose(struct glarepp_frame *f);
 gp_status gp_api_relight(struct glarepp_frame *f);
 gp_status gp_api_place(struct glarepp_frame *f);
 gp_status gp_api_shares(struct glarepp_frame *f);
+gp_status gp_api_spot(struct glarepp_frame *f);
 gp_status gp_api_flare(struct glarepp_frame *f);
 gp_status gp_api_lens(struct glarepp_frame *f);
 

@@ -127,7 +127,9 @@ static gp_status sense(struct glarepp_frame *f)
         facts->bright = gp_kernel_request_share(r) *
                         luminance_of(&f->image, src->flux);
     }
-    return GP_OK;
+    const struct gp_api_lights *const lights = f->work ? f->work->lights : NULL;
+    return lights && gp_api_spots(f->plan, &lights->suns) ? gp_api_spot(f)
+                                                          : GP_OK;
 }
 
 // -- kernel -------------------------------------------------------------------
@@ -569,8 +571,8 @@ static bool is_asked(const struct glarepp_plan *plan, enum glarepp_step step)
 /* Lends work to a frame, for the steps that need it. */
 static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
 {
-    const bool idle = step == GLAREPP_TONE || step == GLAREPP_DONE ||
-                      step == GLAREPP_VERIFY || step == GLAREPP_SENSE;
+    const bool idle =
+        step == GLAREPP_TONE || step == GLAREPP_DONE || step == GLAREPP_VERIFY;
     return f->work || idle ? GP_OK : gp_api_lend(f->plan, &f->work);
 }
 

@@ -344,7 +344,7 @@ static gp_status check_outputs(const struct gp_log *log,
 {
     const bool bench = s->command == GP_COMMAND_BENCH;
     bool wants = s->output.pictures.n || s->output.hdr.n || s->output.layer.n ||
-                 s->run.report;
+                 s->run.report || s->sun.write_lights;
     for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
         if (s->output.debug[i])
             return gp_fail(log, GP_ERR_USAGE,
@@ -366,6 +366,37 @@ static gp_status check_outputs(const struct gp_log *log,
                        "give -o out.png, or --hdr out.exr for linear light",
                        in->at[0], in->n > 2 ? " ... " : in->n > 1 ? " " : "",
                        in->n > 1 ? in->at[in->n - 1] : "");
+    return GP_OK;
+}
+
+/* Takes --lights: a file, or auto[:N]. */
+static gp_status set_lights_file(const struct gp_log *log,
+                                 struct gp_settings *s)
+{
+    static const char AUTO[] = "auto";
+    struct gp_sun_settings *const sun = &s->sun;
+    const size_t n = sizeof AUTO - 1;
+    int found = 32;
+    const bool spots = sun->lights && strncmp(sun->lights, AUTO, n) == 0 &&
+                       (!sun->lights[n] || sun->lights[n] == ':');
+    if (!spots)
+        sun->p.file = sun->lights;
+    if (spots && sun->lights[n] &&
+        (!gp_read_whole(sun->lights + n + 1, "", &found) || found < 1 ||
+         found > 256))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--lights: not a number of lights "
+                       "(found \"%s\"); give auto:1 to auto:256",
+                       sun->lights);
+    if (spots && s->command == GP_COMMAND_BENCH)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--lights: bench measures what hides "
+                       "a light, and nothing hides those of auto; give a file");
+    if (sun->write_lights && !spots)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--write-lights: needs lights to "
+                       "find; add --lights auto");
+    sun->p.found = spots ? found : 0;
     return GP_OK;
 }
 
@@ -493,6 +524,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return st;
     if (s->command == GP_COMMAND_COMPARE)
         return check_compare(log, s);
+    GP_TRY(set_lights_file(log, s));
     set_params(s);
     GP_TRY(find_config(log, &s->tone.map.config));
     GP_TRY(check_kernel_size(log, s));

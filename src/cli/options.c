@@ -227,8 +227,14 @@ const struct gp_option gp_options[] = {
     OPT(sun.p.cameras, .name = "camera", BOTH(SUN), .arg = "FILE",
         .help = "Read each frame's camera, and the sun's direction where it is "
                 "there, from a JSON file"),
-    OPT(sun.p.file, .name = "lights", BOTH(SUN), .arg = "FILE",
-        .help = "Read suns and lamps from a JSON file"),
+    OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE|auto[:N]",
+        .help = "Read suns and lamps from a JSON file; auto takes the N "
+                "brightest spots of the frame (32 without N), up to a quarter "
+                "of its height wide, for --flare and --lens"),
+    OPT(sun.write_lights, .name = "write-lights", IN(SUN), .arg = "FILE",
+        .once = true, .aside = true, .help = "Write the lights that auto finds "
+        "in the first frame as JSON, to edit and to give to --lights, which "
+        "finds them by it in other frames"),
     OPT(sun.p.flare, .name = "flare", BOTH(SUN), .arg = "FILE|preset:NAME",
         .help = "Read lens-flare elements from a JSON file, or take an "
                 "installed flare (preset:list names them); each light that has "

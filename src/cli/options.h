@@ -106,6 +106,8 @@ struct gp_sun_settings {
     struct gp_numbers at;              // x, y and maybe radius, pixels
     struct gp_numbers dir;             // towards the sun, world
     struct gp_numbers color;           // flux by channel, or one for all
+    const char *lights;                // a file, or auto[:N]; NULL: none
+    const char *write_lights;          // those found; NULL: not given
     struct glarepp_light light;        // of these
     struct glarepp_light_params p;     // degrees is --sun-size
     const char *depth_file, *mask, *mask_file;
@@ -330,7 +332,8 @@ const struct gp_option_choice *gp_option_chosen(const struct gp_option *o,
 /* True when a word of --kernel or --check is a path, not a recipe. */
 bool gp_kernel_is_file(const char *word);
 
-/* True when a frame may have lights: an option names one, a file or a scene. */
+/* True when a frame may have lights with a place: an option names one, a file or
+ * a scene. */
 bool gp_lights_wanted(const struct gp_settings *s);
 
 /* Reads whole numbers of 0 to 99999 with these characters between them, and

@@ -57,6 +57,7 @@ struct pipeline {
     int dark;                        // frames written without sources
     struct gp_frame_report brightest; // of the dark frames
     struct gp_tally tally;           // of those written
+    bool has_lights;                 // --write-lights is written
 };
 
 /* Data that the command line asks nothing of, so that it counts as present. */
@@ -78,8 +79,9 @@ static void make_schedule(struct pipeline *p)
     for (int i = 0; i < r->jobs->targets; i++)
         written |= gp_target_needs(r->s, r->jobs->target[i].kind);
     const bool reports = r->s->run.report || r->s->run.level >= GP_LEVEL_INFO;
-    unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) |
-                      GP_HAS_END | (reports ? GP_HAS_SHARES : 0u) |
+    unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) | GP_HAS_END |
+                      (reports ? GP_HAS_SHARES : 0u) |
+                      (r->s->sun.write_lights ? GP_HAS_SOURCES : 0u) |
                       (r->s->run.verify ? GP_HAS_MEASURED : 0u);
     for (int i = GP_STAGES - 1; i >= 0; i--) {
         const struct gp_stage *const stage = &gp_stages[i];
@@ -240,6 +242,7 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
     const gp_status st = u->st;
     const bool skipped = st && can_skip(p, u, st);
     const int first = atomic_load(&p->head) * p->run.jobs->views;
+    const char *const write = p->run.s->sun.write_lights;
     gp_status reported = GP_OK;
     gp_frame_log_flush(&u->log);
     if (skipped)
@@ -264,6 +267,10 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
             gp_say_frame(p->log, facts);
         if (p->run.s->run.report)
             reported = gp_report_frame(p->log, p->run.report, facts);
+        if (!st && !reported && write && !p->has_lights && facts->lib.lights) {
+            reported = gp_report_lights(p->log, write, &facts->lib);
+            p->has_lights = true;
+        }
     }
     free_unit(u);
     return st && !skipped ? st : reported;
@@ -474,6 +481,11 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         gp_frame_report_dark(&p.brightest, p.dark, line, sizeof line);
         gp_say(log, GP_LEVEL_WARN, "%s", line);
     }
+    if (s->sun.write_lights && !p.has_lights)
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: not written: no frame has a light; "
+               "lower --threshold",
+               s->sun.write_lights);
     GP_TRY(gp_failures_report(log, jobs, atomic_load(&p.kept)));
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &own);

@@ -16,8 +16,8 @@ static const double MOST_PIXEL = 1e9, MOST_WORLD = 1e15, MOST_DEPTH = 1e30;
 static const double SUN_DEGREES = 0.533; // mean angular diameter of the sun
 
 static const char *const keys[] = {
-    "pixel", "world", "direction", "radius", "degrees", "depth", "bias",
-    "flux",  "color", "name",      NULL,
+    "pixel", "world", "direction", "found", "radius", "degrees",
+    "depth", "bias",  "flux",      "color", "name",   NULL,
 };
 
 /* Places that a light may have; in the order of enum glarepp_place. */
@@ -29,6 +29,7 @@ static const struct {
     [GLAREPP_PIXEL] = {"pixel", 2, MOST_PIXEL},
     [GLAREPP_WORLD] = {"world", 3, MOST_WORLD},
     [GLAREPP_DIRECTION] = {"direction", 3, MOST_WORLD},
+    [GLAREPP_FOUND] = {"found", 2, MOST_PIXEL},
 };
 enum { PLACES = sizeof places / sizeof *places };
 
@@ -58,8 +59,9 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     const double *const at = out->at;
     if (n != 1)
         return gp_fail(p->log, GP_ERR_DATA,
-            "%s: %s %d needs one place (found %d); give \"pixel\", "
-            "\"world\" or \"direction\"", p->path, p->what, p->index, n);
+                       "%s: %s %d needs one place (found %d); give \"pixel\", "
+                       "\"world\", \"direction\" or \"found\"",
+                       p->path, p->what, p->index, n);
     if (out->place == GLAREPP_DIRECTION && at[0] == 0.0 && at[1] == 0.0 &&
         at[2] == 0.0)
         return gp_json_fail(p, "\"direction\" is 0, 0, 0; give a vector that "
@@ -82,6 +84,8 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
         out->flux[c] = (float) (flux[c] * colour[c]);
     GP_TRY(gp_json_text(p, o, "name", &name));
     snprintf(out->name, sizeof out->name, "%s", name ? name : "");
+    if (out->place == GLAREPP_FOUND && !out->name[0])
+        return gp_json_fail(p, "\"found\" without \"name\"; give one");
 out:
     return st;
 }

@@ -44,6 +44,8 @@ struct gp_light {
     double low, high;  // of the true share; written by gp_sun_interval()
     bool in_frame;     // the frame has a part of it; written with them
     struct gp_light_sight sight;
+    bool found; // the frame shows it (sun/found.h): no glare of its own,
+                // and nothing hides it
 };
 #define GP_LIGHT_DEFAULTS \
     { .radius = 0.5, .depth = INFINITY, .bias = 1e-3, .visibility = 1.0 }

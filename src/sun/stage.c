@@ -5,10 +5,13 @@
 #include "sun/stage.h"
 
 #include "core/colour.h"
+#include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "sun/found.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static bool has_flux(const struct glarepp_light *s)
@@ -39,6 +42,15 @@ static gp_status read_image(const struct gp_log *log, gp_sun_picture picture,
     return GP_OK;
 }
 
+/* The lights of the run, then of its file, then of the frame. */
+static const struct glarepp_light *spec_at(const struct gp_suns *suns, int i)
+{
+    const int own = suns->p->lights, read = own + suns->reads;
+    return i < own    ? &suns->p->light[i]
+           : i < read ? &suns->read[i - own]
+                      : &suns->more.light[i - read];
+}
+
 gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_params *p,
     enum gp_gl_api api, gp_sun_picture picture, void *user, struct gp_suns *out)
 {
@@ -54,12 +66,18 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_par
     bool lit = p->file || p->faded || (p->cameras && has_flux(&p->sun));
     for (int i = 0; i < p->lights; i++)
         lit |= has_flux(&p->light[i]);
-    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit)
-        GP_TRY(gp_fail_at(log, GP_ERR_USAGE,
-                          p->lights || p->cameras ? "lights.sun" : "lights.flare",
+    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit &&
+        (p->lights || p->cameras) && !p->found)
+        GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "lights.sun",
                           "%s: has elements of lights, and there is no light "
                           "with flux; write \"source\": \"bright\" in it",
                           p->flare));
+    GP_TRY(gp_alloc(log, "lights", (size_t) (p->lights + out->reads) + 1,
+                    sizeof *out->known, &out->known));
+    for (int i = 0; i < p->lights + out->reads; i++) {
+        if (spec_at(out, i)->place == GLAREPP_FOUND)
+            out->known[out->knowns++] = *spec_at(out, i);
+    }
     for (int k = 0; k < out->flare.n; k++) {
         if (out->flare.element[k].path)
             GP_TRY(read_image(log, picture, user, &out->flare.element[k]));
@@ -144,14 +162,6 @@ static struct glarepp_light sun_of(const struct gp_suns *suns,
     return spec;
 }
 
-/* The lights of the run, then of its file, then of the frame. */
-static const struct glarepp_light *spec_at(const struct gp_suns *suns, int i)
-{
-    const int own = suns->p->lights, read = own + suns->reads;
-    return i < own    ? &suns->p->light[i]
-           : i < read ? &suns->read[i - own] : &suns->more.light[i - read];
-}
-
 gp_status gp_suns_find(const struct gp_log *log,
                        const struct glarepp_frame_params *about,
                        const struct gp_image *f, struct gp_suns *suns)
@@ -165,10 +175,11 @@ gp_status gp_suns_find(const struct gp_log *log,
                                 p->outside == GLAREPP_BY_SCENE;
     gp_status st;
     GP_FREE(suns->light);
-    suns->n = 0;
+    suns->n = suns->placed = 0;
     // a camera that no light needs is not looked at, and may be wrong
     for (int i = 0; i < read; i++)
-        needed = needed || spec_at(suns, i)->place != GLAREPP_PIXEL;
+        needed = needed || spec_at(suns, i)->place == GLAREPP_WORLD ||
+                 spec_at(suns, i)->place == GLAREPP_DIRECTION;
     GP_TRY(find_entry(log, suns, about, f, &entry));
     if (needed)
         GP_TRY(gp_suns_camera(log, suns, about, f, &camera, &found));
@@ -192,12 +203,60 @@ gp_status gp_suns_find(const struct gp_log *log,
     for (int i = -(int) sun; i < all; i++) {
         const struct glarepp_light spec = i < 0 ? sun_of(suns, entry, f)
                                                 : *spec_at(suns, i);
+        if (spec.place == GLAREPP_FOUND)
+            continue;
         GP_TRY(gp_light_place_in(log, f->path, &spec, found ? &camera : NULL,
                                  (enum gp_depth_type) p->depth, f->display,
                                  &suns->light[suns->n]));
-        suns->n++;
+        suns->placed = ++suns->n;
     }
 out:
+    return st;
+}
+
+/* Tests whether a light has a place on whose disc is a centre. */
+static bool is_placed(const struct gp_suns *suns, const struct gp_light *found)
+{
+    static const double NEAR = 2.0; // pixels
+    for (int i = 0; i < suns->placed; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        if (!l->behind && gp_hypot(l->x - found->x, l->y - found->y) <
+                              fmax(l->radius, found->radius) + NEAR)
+            return true;
+    }
+    return false;
+}
+
+gp_status gp_suns_spot(const struct gp_log *log, const struct gp_sources *src,
+                       const struct gp_image *f,
+                       const struct glarepp_light *known, int knowns, int most,
+                       struct gp_suns *suns)
+{
+    struct gp_light *found = NULL, *all;
+    int n, kept = 0, fresh = 0, named = 0;
+    gp_status st;
+    GP_TRY(gp_lights_find(log, src, f, &found, &n));
+    GP_TRY(gp_lights_name(log, found, n, known, knowns, gp_rect_h(f->display)));
+    GP_TRY(gp_alloc(log, "lights", (size_t) (suns->placed + n) + 1, sizeof *all,
+                    &all));
+    for (int i = 0; i < suns->placed; i++)
+        all[i] = suns->light[i];
+    for (int i = 0; i < n; i++)
+        named += found[i].name[0] != '\0';
+    for (int i = 0; i < n; i++) {
+        struct gp_light *const l = &found[i];
+        if (is_placed(suns, l) || (!l->name[0] && named + fresh >= most))
+            continue;
+        if (!l->name[0])
+            snprintf(l->name, sizeof l->name, "%s%d", knowns ? "new" : "lamp",
+                     ++fresh);
+        all[suns->placed + kept++] = *l;
+    }
+    gp_free(suns->light);
+    suns->light = all;
+    suns->n = suns->placed + kept;
+out:
+    gp_free(found);
     return st;
 }
 
@@ -284,7 +343,7 @@ gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
 double gp_suns_mean(const struct gp_suns *suns)
 {
     double sum = 0.0, weight = 0.0, plain = 0.0;
-    for (int i = 0; i < suns->n; i++) {
+    for (int i = 0; i < suns->placed; i++) {
         const struct gp_light *const l = &suns->light[i];
         const double flux = (double) l->flux[0] + (double) l->flux[1] +
                             (double) l->flux[2];
@@ -292,7 +351,9 @@ double gp_suns_mean(const struct gp_suns *suns)
         weight += flux;
         plain += l->visibility;
     }
-    return weight > 0.0 ? sum / weight : suns->n ? plain / suns->n : 0.0;
+    return weight > 0.0   ? sum / weight
+           : suns->placed ? plain / suns->placed
+                          : 0.0;
 }
 
 // -- a light's disc in pixels ------------------------------------------------
@@ -381,7 +442,8 @@ bool gp_suns_have_light(const struct gp_suns *suns, bool seen)
 /* Returns true when light l has glare of its own to add. */
 static bool glares(const struct gp_suns *suns, const struct gp_light *l)
 {
-    return gp_light_has_flux(l) && !suns->p->in_frame && l->visibility > 0.0;
+    return gp_light_has_flux(l) && !suns->p->in_frame && !l->found &&
+           l->visibility > 0.0;
 }
 
 /* Returns true when light l goes through the engines, which have no sources
@@ -536,7 +598,7 @@ void gp_suns_end_frame(struct gp_suns *suns)
 {
     suns->occluders = (struct gp_occluders) {0};
     GP_FREE(suns->light);
-    suns->n = 0;
+    suns->n = suns->placed = 0;
 }
 
 void gp_suns_close(struct gp_suns *suns)
@@ -549,5 +611,6 @@ void gp_suns_close(struct gp_suns *suns)
     gp_flare_free(&suns->flare);
     gp_camera_file_free(&suns->cameras);
     gp_free(suns->read);
+    gp_free(suns->known);
     *suns = (struct gp_suns) {0};
 }

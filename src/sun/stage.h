@@ -37,6 +37,8 @@ struct gp_suns {
     enum gp_gl_api api;
     struct glarepp_light *read; // owned; of p->file
     int reads;
+    struct glarepp_light *known; // owned; of all these, those to be found
+    int knowns;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
     double more_fov;            // degrees, of the scene's camera; 0: none
@@ -47,8 +49,8 @@ struct gp_suns {
     // of the frame
     struct gp_suns_more more;   // set by the caller, before gp_suns_find()
     struct gp_occluders occluders;
-    struct gp_light *light;     // owned
-    int n;
+    struct gp_light *light; // owned; those found come after
+    int n, placed;          // ... so many
 };
 
 /* Reads the files of *p, before the first frame.
@@ -74,6 +76,18 @@ GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_suns_find(const struct gp_log *log,
     const struct glarepp_frame_params *about, const struct gp_image *f,
     struct gp_suns *suns);
+
+/* Adds lights that the frame shows, after gp_sense(): those with names of `known`,
+ * and up to `most` in all; names of others are new1, new2, .... One whose centre
+ * is on the disc of a light with a place is that light, and none found. Where
+ * `known` is empty they are lamp1, lamp2, ....
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_suns_spot(const struct gp_log *log,
+                                     const struct gp_sources *src,
+                                     const struct gp_image *f,
+                                     const struct glarepp_light *known,
+                                     int knowns, int most,
+                                     struct gp_suns *suns);
 
 /* Tells what may hide the lights: planes, borrowed to the end of the frame, NULL
  * where there are none. One with a name is of another file, and a warning says

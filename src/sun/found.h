@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Lights that a frame shows: its bright blobs, measured, and named by those of
+ * another frame. */
+#ifndef GP_SUN_FOUND_H
+#define GP_SUN_FOUND_H
+
+#include "core/image.h"
+#include "core/status.h"
+#include "glare/sources.h"
+#include "sun/lights.h"
+
+enum { GP_FOUND_USUAL = 32, GP_FOUND_MOST = 256 };
+
+/* Finds the brightest lights of a frame. A blob is an area of sources that touch,
+ * at corners too. Its light is what its pixels, and those up to 2 pixels from
+ * them, have over their ground: the mean of the pixels 3 to 5 away that are in
+ * reach of no blob. Place and radius are the light's centroid and that of the
+ * even disc with its second moment. Blobs wider than a quarter of the display
+ * window's height are no lights. One whose brightest pixel is from T to 1.5 T
+ * has a part of its flux, from 0 to all: none pops up.
+ *   src  of the frame; f: its pixels, after gp_sense()
+ *   out  owned by the caller, gp_free(); *n, to GP_FOUND_MOST, by falling flux;
+ *        without names
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_lights_find(const struct gp_log *log,
+                                       const struct gp_sources *src,
+                                       const struct gp_image *f,
+                                       struct gp_light **out, int *n);
+
+/* Gives lights the names of `known`, at most GP_LIGHTS_MAX places and fluxes of
+ * another frame, none "": by pairs whose places, in 1/20 of `height`, and whose
+ * fluxes, in octaves, are least apart, the nearest first, and at most 1/4 of the
+ * height and 3 octaves. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_lights_name(const struct gp_log *log,
+                                       struct gp_light *light, int n,
+                                       const struct glarepp_light *known,
+                                       int knowns, double height);
+
+#endif
