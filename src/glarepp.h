@@ -436,13 +436,15 @@ struct glarepp_light_params {
      * them. 0: only those that FOUND lights name, and 32 where a flare or a lens
      * needs lights and none may be there. */
     int found;
+    float flare_gain;      // of the flare; 0: its brightest pixel over a dark one
+                           // becomes a quarter of white, by the tone's exposure
 };
 #define GLAREPP_LIGHT_PARAMS                                                   \
     {                                                                          \
         sizeof(struct glarepp_light_params), NULL, 0, NULL, NULL,              \
             GLAREPP_LIGHT, NULL, 0.533f, GLAREPP_EXACT, GLAREPP_IGNORE,        \
             GLAREPP_Z, GLAREPP_NDC_AUTO, false, false, 0.0f, 16, false, false, \
-            false, 0                                                           \
+            false, 0, 1.0f                                                     \
     }
 
 /* Ghosts of a real lens. */
@@ -455,9 +457,10 @@ struct glarepp_lens_params {
     double f_number;       // 0: by the frame, else the lens's own
     int detail;            // of meshes: 1 coarse, 2 fine, 3 the finest, many
                            // times the time; 0: fine for up to 8 lights
+    float gain;            // of the ghosts; 0: as flare_gain of lights
 };
 #define GLAREPP_LENS_PARAMS                                                   \
-    { sizeof(struct glarepp_lens_params), NULL, 0.0, 0.0, 0.0, 0 }
+    { sizeof(struct glarepp_lens_params), NULL, 0.0, 0.0, 0.0, 0, 1.0f }
 
 enum glarepp_up { GLAREPP_UP_AUTO, GLAREPP_UP_Y, GLAREPP_UP_Z };
 
@@ -590,13 +593,14 @@ struct glarepp_frame_params {
                                  // luminances, of lights low and high, flux
                                  // of the layer, the truth
     void *user;                  // of messages about it
+    bool parts;                  // PART_* are wanted
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
     {                                                                         \
         sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0},     \
             false, NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0}, \
             GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, 4e-4f, false, false, false, \
-            NULL                                                              \
+            NULL, false                                                       \
     }
 
 struct glarepp_frame;
@@ -658,6 +662,11 @@ enum glarepp_view {
     GLAREPP_POLYGONS,  // Ando et al. 2007, Figure 6, over SHOWN
     GLAREPP_SUNMAP, GLAREPP_INTENSITY,
     GLAREPP_TRUTH,     // the sum in double, after VERIFY of a frame with `details`
+    // of a frame with `parts`, which add up to GLARE: of the sources' light what
+    // leaves its pixel, with that of lights beside the frame; what stays;
+    // elements; ghosts of a lens
+    GLAREPP_PART_VEIL, GLAREPP_PART_CORE, GLAREPP_PART_FLARE,
+    GLAREPP_PART_GHOSTS,
     GLAREPP_VIEWS,
 };
 
@@ -742,6 +751,7 @@ struct glarepp_flare_facts {    // of bright pixels
     int elements, runs;
     const char *engine;
     double bound, ms, cpu_ms;
+    double gain;                // of all elements; 0: there are none
 };
 
 struct glarepp_lens_facts {
@@ -760,6 +770,7 @@ struct glarepp_lens_facts {
                                 // by first order, over the picture's mean
     double missing;             // bound of their norm over pixels and channels
     double steps[5];            // ghosts drawn at 1, 2, 4, 8, 16 pixels a step
+    double gain;                // that they were drawn with
 };
 
 struct glarepp_scene_facts {

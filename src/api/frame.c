@@ -79,6 +79,8 @@ static struct gp_planes *planes_of(struct glarepp_frame *f,
            : view == GLAREPP_SOURCES   ? &f->sources_shown
            : view == GLAREPP_POLYGONS  ? &f->polygons
            : view == GLAREPP_TRUTH     ? &f->truth
+           : view >= GLAREPP_PART_VEIL && view <= GLAREPP_PART_GHOSTS
+               ? &f->part[view - GLAREPP_PART_VEIL]
            : view == GLAREPP_SUNMAP    ? &f->sunmap.planes
            : view == GLAREPP_INTENSITY ? &f->intensity.planes : NULL;
 }
@@ -300,6 +302,8 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
         GP_TRY(gp_sources_planes(&f->log, &f->sources, &f->sources_shown));
     if (view == GLAREPP_POLYGONS)
         GP_TRY(draw_polygons(f));
+    if (view >= GLAREPP_PART_VEIL && view <= GLAREPP_PART_GHOSTS)
+        GP_TRY(gp_api_part_find(f, view));
     if (view == GLAREPP_TRUTH)
         GP_TRY(show_truth(f));
     if (picture) {

@@ -86,8 +86,10 @@ bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out)
     return true;
 }
 
-/* Adds ghosts of the lens to image.layer, which is made. */
-static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
+/* Adds ghosts of the lens to image.layer, which is made; those that `gain` leaves
+ * dark are left out. */
+static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail,
+                      double gain)
 {
     struct gp_image *const image = &f->image;
     struct glarepp_lens_facts *const facts = &f->facts.lens;
@@ -95,7 +97,7 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
     struct gp_lens_light *light = NULL;
     struct glarepp_lens_facts found = {0};
     struct gp_lens lens;
-    double dark[3] = {0}, rest, sum[3], squares;
+    double dark[3] = {0}, rest;
     gp_status st;
     int n = 0;
     GP_TRY(gp_lens_lights(&f->log, suns->light, suns->n, &f->sources, &light,
@@ -108,27 +110,53 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
         .mm = {mm, mm / (double) image->pixel_aspect},
         .chromaticities = image->chromaticities,
         .luminance = image->luminance,
-        .mean = gp_log_average(image, &image->rgb),
+        // (what is left out is seen by its gain)
+        .mean = gp_log_average(image, &image->rgb) / fmax(gain, 1.0),
         .tolerance = detail == GP_LENS_REFERENCE
-                         ? 0.0 : (double) f->plan->glare.tolerance,
+                         ? 0.0
+                         : (double) f->plan->glare.tolerance,
         .rest = {dark[0], dark[1], dark[2]},
         .detail = detail,
     };
-    if (n) {
+    if (n)
         GP_TRY(gp_lens_draw(&f->log, &lens, &view, light, n, &image->layer,
                             &found));
-        // all ghosts are light: the exact layer is no less than one without some
-        gp_planes_sum(&image->layer, gp_image_pixels(image), sum, &squares);
-        found.bound =
-            found.missing > 0.0 ? found.missing / sqrt(squares) : 0.0;
-    }
     found.name = f->plan->lens.says.name;
     found.sensor = width;
     found.sensor_from = facts->sensor_from;
     found.rest = rest;
+    found.gain = 1.0;
     *facts = found;
 out:
     gp_free(light);
+    return st;
+}
+
+/* Draws ghosts into a layer of their own and adds them times their gain. */
+static gp_status draw_part(struct glarepp_frame *f, enum gp_lens_detail detail)
+{
+    struct glarepp_lens_facts *const facts = &f->facts.lens;
+    const float gain = f->plan->lens_params.gain;
+    struct gp_image *const image = &f->image;
+    struct gp_planes before = {0};
+    double level;
+    gp_status st;
+    GP_TRY(gp_api_part_open(f, image, &before));
+    GP_TRY(draw(f, detail, (double) gain));
+    GP_TRY(gp_api_part_level(f, image, gain, &level));
+    if (!(gain > 0.0f) && level > 1.0) { // those left out would be seen
+        gp_planes_clear(&image->layer, 0, gp_image_pixels(image));
+        GP_TRY(draw(f, detail, level));
+        GP_TRY(gp_api_part_level(f, image, gain, &level));
+    }
+    facts->gain = level;
+    facts->missing *= level;
+    for (int c = 0; c < 3; c++)
+        facts->light[c] *= level;
+out:
+    if (before.c[0])
+        gp_api_part_close(f, image, facts->gain, &before,
+                          &f->part[GLAREPP_PART_GHOSTS - GLAREPP_PART_VEIL]);
     return st;
 }
 
@@ -136,12 +164,23 @@ gp_status gp_api_lens(struct glarepp_frame *f)
 {
     enum { FEW = 8 }; // hidden ones count: nothing changes as they appear
     const struct gp_suns *const suns = &f->work->lights->suns;
+    struct glarepp_lens_facts *const facts = &f->facts.lens;
     const int n = suns->placed + gp_max(f->plan->sun.found, suns->knowns);
     const int asked = f->plan->lens_params.detail;
-    const gp_status st = gp_api_dark_layer(&f->log, &f->image);
-    return st ? st
-              : draw(f, asked ? (enum gp_lens_detail) (asked - 1)
-                        : n > 0 && n <= FEW ? GP_LENS_FINE : GP_LENS_COARSE);
+    const enum gp_lens_detail detail =
+        asked                ? (enum gp_lens_detail) (asked - 1)
+        : n > 0 && n <= FEW ? GP_LENS_FINE : GP_LENS_COARSE;
+    const bool apart = f->p.parts || f->plan->lens_params.gain != 1.0f;
+    double sum[3], squares;
+    gp_status st = gp_api_dark_layer(&f->log, &f->image);
+    if (!st)
+        st = apart ? draw_part(f, detail) : draw(f, detail, 1.0);
+    if (st || !(facts->missing > 0.0))
+        return st;
+    // all ghosts are light: the exact layer is no less than one without some
+    gp_planes_sum(&f->image.layer, gp_image_pixels(&f->image), sum, &squares);
+    facts->bound = facts->missing / sqrt(squares);
+    return st;
 }
 
 // -- a prescription -----------------------------------------------------------

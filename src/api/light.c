@@ -195,18 +195,33 @@ gp_status gp_api_flare(struct glarepp_frame *f)
 {
     struct gp_suns *const suns = &f->work->lights->suns;
     struct glarepp_flare_facts *const facts = &f->facts.flare;
+    const bool seen = gp_suns_have_light(suns, true);
+    const float gain = f->plan->sun.flare_gain;
+    struct gp_planes before = {0};
     gp_status st = GP_OK;
     suns->flare.frame = f->p.numbered ? f->p.number : 0;
-    if (gp_suns_have_light(suns, true))
-        st = gp_api_dark_layer(&f->log, &f->image);
-    if (!st)
-        st = gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image);
+    if (seen)
+        GP_TRY(gp_api_dark_layer(&f->log, &f->image));
+    GP_TRY(gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image));
+    if (!suns->flare.n)
+        return st;
+    facts->gain = 1.0;
+    if (f->p.parts || gain != 1.0f)
+        GP_TRY(gp_api_part_open(f, &f->image, &before));
+    if (seen)
+        GP_TRY(gp_flare_add(&f->log, &suns->flare, suns->light, suns->n,
+                            f->image.data, f->image.display, &f->image.layer));
     const double cpu = gp_cpu_ms();
-    if (!st)
-        st = gp_api_ghosts_add(f, &f->sources, &f->work->lights->ghosts,
-                               &f->image, facts);
+    GP_TRY(gp_api_ghosts_add(f, &f->sources, &f->work->lights->ghosts, &f->image,
+                             facts));
     f->facts.engines_ms = facts->ms;
     f->facts.engines_cpu_ms = gp_cpu_ms() - cpu;
+    if (before.c[0])
+        GP_TRY(gp_api_part_level(f, &f->image, gain, &facts->gain));
+out:
+    if (before.c[0])
+        gp_api_part_close(f, &f->image, facts->gain, &before,
+                          &f->part[GLAREPP_PART_FLARE - GLAREPP_PART_VEIL]);
     return st;
 }
 

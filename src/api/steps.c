@@ -460,6 +460,23 @@ out:
 
 // -- composing ----------------------------------------------------------------
 
+/* Adds the flare of a group's bright pixels, at the frame's level. */
+static gp_status add_flare(struct glarepp_frame *f, struct gp_api_group *g,
+                           struct glarepp_flare_facts *facts)
+{
+    const double gain = f->facts.flare.gain;
+    struct gp_planes before = {0};
+    gp_status st = GP_OK;
+    if (gain != 1.0)
+        st = gp_api_part_open(f, &g->image, &before);
+    if (!st)
+        st = gp_api_ghosts_add(f, &g->sources, &f->work->lights->group_ghosts,
+                               &g->image, facts);
+    if (before.c[0])
+        gp_api_part_close(f, &g->image, gain, &before, NULL);
+    return st;
+}
+
 /* Adds glare to a group, so that groups which add up to the frame still do. */
 static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
                                const struct gp_compose_params *p)
@@ -474,8 +491,7 @@ static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
         st = gp_glare_run(&f->log, &glare, &f->work->group_engines, &g->sources,
                           gp_api_kernel(f), &g->image, &stats);
     if (!st && f->work->lights)
-        st = gp_api_ghosts_add(f, &g->sources, &f->work->lights->group_ghosts,
-                               &g->image, &flare);
+        st = add_flare(f, g, &flare);
     if (g->sources.n > 0) {
         f->facts.engines_ms += gp_now_ms() - start;
         f->facts.engines_cpu_ms += gp_cpu_ms() - cpu;

@@ -36,7 +36,8 @@ struct needs {
 static struct needs needs_of(const struct gp_settings *s)
 {
     const struct gp_texts *const outputs[] = {&s->output.pictures,
-                                              &s->output.hdr, &s->output.layer};
+                                              &s->output.hdr, &s->output.layer,
+                                              &s->output.parts};
     const struct gp_sun_settings *const sun = &s->sun;
     const bool light = gp_lights_wanted(s);
     const bool config = s->tone.map.config != NULL;
@@ -49,7 +50,7 @@ static struct needs needs_of(const struct gp_settings *s)
     const bool chosen = strcmp(engine, "auto") == 0;
     const char *const input = s->input.files.n ? s->input.files.at[0] : "";
     bool stream = false, files = false;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 4; k++) {
         files = files || outputs[k]->n;
         for (int i = 0; i < outputs[k]->n; i++)
             stream = stream || open_ended(outputs[k]->at[i]);
@@ -83,6 +84,8 @@ static struct needs needs_of(const struct gp_settings *s)
          "--list", "", ""},
         {s->scene.path, "needs --scene; give --scene FILE", "", ""},
         {sun->relight.n, "needs --relight; give --relight NAME", "", ""},
+        {sun->p.flare, "needs --flare; give --flare preset:zoom, or a file",
+         "", ""},
         {mask, "does nothing with this --sun-method; use --sun-method mask", "",
          ""},
         {mask || s->output.debug[GP_DEBUG_SUNMAP], "does nothing with this "
@@ -344,7 +347,7 @@ static gp_status check_outputs(const struct gp_log *log,
 {
     const bool bench = s->command == GP_COMMAND_BENCH;
     bool wants = s->output.pictures.n || s->output.hdr.n || s->output.layer.n ||
-                 s->run.report || s->sun.write_lights;
+                 s->output.parts.n || s->run.report || s->sun.write_lights;
     for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
         if (s->output.debug[i])
             return gp_fail(log, GP_ERR_USAGE,

@@ -324,6 +324,8 @@ const struct gp_target_row gp_targets[] = {
     [GP_TARGET_HDR] = {"--hdr", "linear light", GLAREPP_OUTPUT},
     [GP_TARGET_LAYER] = {"--layer", "the glare alone, linear light",
                          GLAREPP_GLARE},
+    [GP_TARGET_PARTS] = {"--parts", "the parts of the glare, linear light",
+                         GLAREPP_PART_VEIL},
     [GP_TARGET_PICTURE] = {"--output", "", GLAREPP_SHOWN},
     [GP_TARGET_SENSORS] = {"--debug sensors", "the light that glares",
                            GLAREPP_SOURCES},
@@ -526,8 +528,10 @@ static gp_status check_outputs(const struct gp_log *log,
                 continue;
             char *const name = gp_job_name(&j->job[k], t);
             st = !name ? gp_no_memory(log, t->name.path)
-                 : t->kind == GP_TARGET_HDR
-                     ? gp_write_hdr_check(log, &s->output.write, GP_HDR_KEEPS,
+                 : t->kind == GP_TARGET_HDR || t->kind == GP_TARGET_PARTS
+                     ? gp_write_hdr_check(log, &s->output.write,
+                                          t->kind == GP_TARGET_HDR
+                                              ? GP_HDR_KEEPS : GP_PARTS_KEEP,
                                           name)
                      : gp_write_check(log, &s->output.write, name);
             free(name);
@@ -544,7 +548,8 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     bool patterns = false;
     GP_TRY(gp_alloc_zero(
         log, "output list",
-        (size_t) (s->output.hdr.n + s->output.layer.n + s->output.pictures.n) +
+        (size_t) (s->output.hdr.n + s->output.layer.n + s->output.parts.n +
+                  s->output.pictures.n) +
             GP_DEBUG_KINDS,
         sizeof *j.target, &j.target));
     // --hdr first: it may copy from an input that a later output replaces
@@ -552,6 +557,8 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
         GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->output.hdr.at[i]));
     for (int i = 0; i < s->output.layer.n; i++)
         GP_TRY(add_target(log, &j, GP_TARGET_LAYER, s->output.layer.at[i]));
+    for (int i = 0; i < s->output.parts.n; i++)
+        GP_TRY(add_target(log, &j, GP_TARGET_PARTS, s->output.parts.at[i]));
     for (int i = 0; i < s->output.pictures.n; i++)
         GP_TRY(
             add_target(log, &j, GP_TARGET_PICTURE, s->output.pictures.at[i]));

@@ -11,6 +11,7 @@
 enum gp_target_kind {
     GP_TARGET_HDR,
     GP_TARGET_LAYER,
+    GP_TARGET_PARTS,
     GP_TARGET_PICTURE,
     GP_TARGET_SENSORS,
     GP_TARGET_POLYGONS,

@@ -18,229 +18,73 @@ struct hint {
 };
 
 // sorted by parameter
+// clang-format off
 static const struct hint hints[] = {
 #define HINT(parameter, words) {parameter, "; " words, ", or " words},
-    HINT("compare.most", "crop them, or raise --max-pixels") HINT(
-        "field.degrees", "give --fov from 0.001 to 180 and a finite --rotate")
-        HINT("field.most", "give a smaller --size, a --radius, or raise "
-                           "--max-pixels") HINT(
-            "field.radius", "make it again with a larger --size or --radius")
-            HINT("frame.coverage", "give --mask FILE") HINT(
-                "frame.depth", "name a channel with --depth")
-                HINT("frame.has_ndc", "give --camera FILE") HINT(
-                    "kernel.as_it_is",
-                    "use --kernel-normalize none") HINT("kernel.centre",
-                                                        "set --kernel-center")
-                    HINT("kernel.normalized", "use --kernel-normalize "
-                                              "luminance") HINT(
-                        "kernel.percent",
-                        "give this --fov and --size to glarepp kernel, or "
-                        "--kernel-size") HINT("kernel.percent.angle",
-                                              "set --kernel-size to that")
-                        HINT("kernel.words", "give fewer --kernel") HINT(
-                            "layer.engine",
-                            "use --engine fft") HINT("layer.engine.fft",
-                                                     "use --engine direct")
-                            HINT("layer.gain", "lower --gain, or give "
-                                               "--max-value") HINT(
-                                "layer.gl",
-                                "use the other --gl (osmesa or egl), or "
-                                "--engine fft") HINT("layer.gl.egl",
-                                                     "use --gl osmesa")
-                                HINT("layer.gl.osmesa", "use --gl egl") HINT(
-                                    "layer.in_double",
-                                    "leave --verify, -k aperture and -k "
-                                    "temporal out") HINT("layer.mix",
-                                                         "use --mix scatter")
-                                    HINT("layer.tolerance", "raise "
-                                                            "--tolerance, "
-                                                            "which may be "
-                                                            "faster") HINT(
-                                        "layer.tolerance_pixel", "raise "
-                                                                 "--tolerance-"
-                                                                 "pixel") HINT("lens.distance",
-                                                                               "give a longer --focus-distance") HINT("lens.f_number",
-                                                                                                                      "give a larger --f-number")
-                                        HINT("lens.lens",
-                                             "see glarepp lens --list") HINT("l"
-                                                                             "e"
-                                                                             "n"
-                                                                             "s"
-                                                                             "."
-                                                                             "l"
-                                                                             "e"
-                                                                             "n"
-                                                                             "s"
-                                                                             "."
-                                                                             "d"
-                                                                             "a"
-                                                                             "r"
-                                                                             "k",
-                                                                             "c"
-                                                                             "h"
-                                                                             "e"
-                                                                             "c"
-                                                                             "k"
-                                                                             " "
-                                                                             "i"
-                                                                             "t"
-                                                                             " "
-                                                                             "b"
-                                                                             "y"
-                                                                             " "
-                                                                             "g"
-                                                                             "l"
-                                                                             "a"
-                                                                             "r"
-                                                                             "e"
-                                                                             "p"
-                                                                             "p"
-                                                                             " "
-                                                                             "l"
-                                                                             "e"
-                                                                             "n"
-                                                                             "s"
-                                                                             " "
-                                                                             "-"
-                                                                             "-"
-                                                                             "c"
-                                                                             "h"
-                                                                             "e"
-                                                                             "c"
-                                                                             "k") HINT("lights.cameras",
-                                                                                       "give --camera FILE")
-                                            HINT("lights.cameras.frame", "leave"
-                                                                         " --"
-                                                                         "camer"
-                                                                         "a "
-                                                                         "out") HINT("lights.depth", "give --depth-type z") HINT(
-                                                "lights.in_frame",
-                                                "add --sun-in-frame") HINT("lig"
-                                                                           "hts"
-                                                                           ".me"
-                                                                           "tho"
-                                                                           "d",
-                                                                           "use"
-                                                                           " --"
-                                                                           "sun"
-                                                                           "-me"
-                                                                           "tho"
-                                                                           "d "
-                                                                           "exa"
-                                                                           "ct")
-                                                HINT("lights.ndc", "give "
-                                                                   "--camera "
-                                                                   "FILE") HINT("lights.needed", "give --sun, --sun-dir or --lights") HINT(
-                                                    "lights.outside",
-                                                    "give --camera FILE, or "
-                                                    "--sun-outside ignore")
-                                                    HINT("lights.side", "use a "
-                                                                        "smalle"
-                                                                        "r "
-                                                                        "--sun-"
-                                                                        "map, "
-                                                                        "or "
-                                                                        "--sun-"
-                                                                        "method"
-                                                                        " exac"
-                                                                        "t") HINT(
-                                                        "lights.sun", "give "
-                                                                      "--sun-"
-                                                                      "color, "
-                                                                      "e.g. "
-                                                                      "--sun-"
-                                                                      "color "
-                                                                      "5e4") HINT("params.bridges",
-                                                                                  "put it beside the program, or leave --ocio out")
-                                                        HINT(
-                                                            "plan.fov",
-                                                            "check --fov") HINT("plan.rotate", "use --rotate 0, 90, 180 or 270")
-                                                            HINT("scene.camera", "give one of them to --scene-camera") HINT(
-                                                                "scene.camera_"
-                                                                "normals",
-                                                                "give "
-                                                                "--scene-up or "
-                                                                "--normal-"
-                                                                "space") HINT("scene.relight",
-                                                                              "give one of them to --relight")
-                                                                HINT(
-                                                                    "scene."
-                                                                    "relight."
-                                                                    "dark",
-                                                                    "leave it "
-                                                                    "out, or "
-                                                                    "check "
-                                                                    "--scene-"
-                                                                    "start") HINT("scene.start",
-                                                                                  "give --scene-start, the frame at 0 s")
-                                                                    HINT(
-                                                                        "scene."
-                                                                        "up",
-                                                                        "check "
-                                                                        "--"
-                                                                        "scene-"
-                                                                        "start "
-                                                                        "and "
-                                                                        "--"
-                                                                        "scene-"
-                                                                        "up") HINT("sense.max_value",
-                                                                                   "lower --max-value")
-                                                                        HINT(
-                                                                            "se"
-                                                                            "ns"
-                                                                            "e."
-                                                                            "ma"
-                                                                            "x_"
-                                                                            "va"
-                                                                            "lu"
-                                                                            "e."
-                                                                            "lo"
-                                                                            "w",
-                                                                            "ra"
-                                                                            "is"
-                                                                            "e "
-                                                                            "--"
-                                                                            "ma"
-                                                                            "x-"
-                                                                            "va"
-                                                                            "lu"
-                                                                            "e,"
-                                                                            " o"
-                                                                            "r "
-                                                                            "le"
-                                                                            "av"
-                                                                            "e "
-                                                                            "it"
-                                                                            " o"
-                                                                            "u"
-                                                                            "t") HINT("sense.threshold",
-                                                                                      "use --engine fft, or raise --threshold")
-                                                                            HINT("sets.camera", "name it with --scene-camera") HINT(
-                                                                                "tone.any_primaries",
-                                                                                "give --ignore-chromaticities")
-                                                                                HINT(
-                                                                                    "tone.config",
-                                                                                    "give another config, e.g. --ocio config.ocio")
-                                                                                    HINT(
-                                                                                        "tone.context",
-                                                                                        "give --ocio-context NAME=VALUE")
-                                                                                        HINT(
-                                                                                            "tone.display",
-                                                                                            "leave --display out")
-                                                                                            HINT(
-                                                                                                "tone.input",
-                                                                                                "check --input-space")
-                                                                                                HINT(
-                                                                                                    "tone.look",
-                                                                                                    "leave --look out")
-                                                                                                    HINT(
-                                                                                                        "tone.output",
-                                                                                                        "leave --output-space out")
-                                                                                                        HINT(
-                                                                                                            "tone.view",
-                                                                                                            "leave --view out")
+    HINT("compare.most", "crop them, or raise --max-pixels")
+    HINT("field.degrees",
+         "give --fov from 0.001 to 180 and a finite --rotate")
+    HINT("field.most",
+         "give a smaller --size, a --radius, or raise --max-pixels")
+    HINT("field.radius", "make it again with a larger --size or --radius")
+    HINT("frame.coverage", "give --mask FILE")
+    HINT("frame.depth", "name a channel with --depth")
+    HINT("frame.has_ndc", "give --camera FILE")
+    HINT("kernel.as_it_is", "use --kernel-normalize none")
+    HINT("kernel.centre", "set --kernel-center")
+    HINT("kernel.normalized", "use --kernel-normalize luminance")
+    HINT("kernel.percent", "give this --fov and --size to glarepp kernel, or "
+         "--kernel-size")
+    HINT("kernel.percent.angle", "set --kernel-size to that")
+    HINT("kernel.words", "give fewer --kernel")
+    HINT("layer.engine", "use --engine fft")
+    HINT("layer.engine.fft", "use --engine direct")
+    HINT("layer.gain", "lower --gain, or give --max-value")
+    HINT("layer.gl", "use the other --gl (osmesa or egl), or --engine fft")
+    HINT("layer.gl.egl", "use --gl osmesa")
+    HINT("layer.gl.osmesa", "use --gl egl")
+    HINT("layer.in_double", "leave --verify, -k aperture and -k temporal out")
+    HINT("layer.mix", "use --mix scatter")
+    HINT("layer.tolerance", "raise --tolerance, which may be faster")
+    HINT("layer.tolerance_pixel", "raise --tolerance-pixel")
+    HINT("lens.distance", "give a longer --focus-distance")
+    HINT("lens.f_number", "give a larger --f-number")
+    HINT("lens.lens", "see glarepp lens --list")
+    HINT("lens.lens.dark", "check it by glarepp lens --check")
+    HINT("lights.cameras", "give --camera FILE")
+    HINT("lights.cameras.frame", "leave --camera out")
+    HINT("lights.depth", "give --depth-type z")
+    HINT("lights.in_frame", "add --sun-in-frame")
+    HINT("lights.method", "use --sun-method exact")
+    HINT("lights.ndc", "give --camera FILE")
+    HINT("lights.needed", "give --sun, --sun-dir or --lights")
+    HINT("lights.outside", "give --camera FILE, or --sun-outside ignore")
+    HINT("lights.side", "use a smaller --sun-map, or --sun-method exact")
+    HINT("lights.sun", "give --sun-color, e.g. --sun-color 5e4")
+    HINT("params.bridges", "put it beside the program, or leave --ocio out")
+    HINT("plan.fov", "check --fov")
+    HINT("plan.rotate", "use --rotate 0, 90, 180 or 270")
+    HINT("scene.camera", "give one of them to --scene-camera")
+    HINT("scene.camera_normals", "give --scene-up or --normal-space")
+    HINT("scene.relight", "give one of them to --relight")
+    HINT("scene.relight.dark", "leave it out, or check --scene-start")
+    HINT("scene.start", "give --scene-start, the frame at 0 s")
+    HINT("scene.up", "check --scene-start and --scene-up")
+    HINT("sense.max_value", "lower --max-value")
+    HINT("sense.max_value.low", "raise --max-value, or leave it out")
+    HINT("sense.threshold", "use --engine fft, or raise --threshold")
+    HINT("sets.camera", "name it with --scene-camera")
+    HINT("tone.any_primaries", "give --ignore-chromaticities")
+    HINT("tone.config", "give another config, e.g. --ocio config.ocio")
+    HINT("tone.context", "give --ocio-context NAME=VALUE")
+    HINT("tone.display", "leave --display out")
+    HINT("tone.input", "check --input-space")
+    HINT("tone.look", "leave --look out")
+    HINT("tone.output", "leave --output-space out")
+    HINT("tone.view", "leave --view out")
 #undef HINT
 };
+// clang-format on
 
 static int compare(const void *parameter, const void *hint)
 {

@@ -53,6 +53,11 @@ const struct gp_settings gp_defaults = {
 #define SET(f, ...)                                                           \
     ROW(f, _Generic(FIELD(f), unsigned *: GP_KIND_SET), __VA_ARGS__)
 
+/* A factor, in EV too, or auto. */
+#define LEVEL(f, ...)                                                         \
+    ROW(f, _Generic(FIELD(f), float *: GP_KIND_LEVEL),                        \
+        .arg = "G|EVev|auto", .hi = 1e9, __VA_ARGS__)
+
 /* Heading and commands of an option. */
 #define IN(g) .group = GP_GROUP_##g, .commands = GP_COMMAND_MAIN
 #define DRAWS(g) .group = GP_GROUP_##g,                                       \
@@ -92,6 +97,10 @@ const struct gp_option gp_options[] = {
         .help = "Write the glare layer only, scene-linear; may be given more "
                 "than once",
         .usual = "Write an EXR: only the glare, to add in comp"),
+    OPT(output.parts, .name = "parts", IN(OUTPUT), .arg = "FILE",
+        .help = "Write the parts of --layer, which add up to it, as layers of "
+                "one EXR: veil is light that leaves its pixel, core what "
+                "stays, flare the elements of --flare, ghosts those of --lens"),
     OPT(output.grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS",
         .choices = gp_grows, .open = true, .pixels = true,
         .help = "Extend outputs beyond the union of data and display window, "
@@ -240,11 +249,17 @@ const struct gp_option gp_options[] = {
                 "installed flare (preset:list names them); each light that has "
                 "flux draws them, scaled by its visible share, or every bright "
                 "pixel does"),
+    LEVEL(sun.p.flare_gain, .name = "flare-gain", BOTH(SUN),
+        .needs = GP_NEED_FLARE, .help = "Scale the flare, by a factor or EV; "
+        "auto makes its brightest pixel over a dark one a quarter of white, "
+        "in each frame; --report says by how much"),
     OPT(lens.lens, .name = "lens", BOTH(SUN), .arg = "FILE|NAME",
         .help = "Add the ghosts of a real lens, a JSON file or an installed "
-        "one, which glarepp lens lists: of the lights that have flux, without "
-        "lights of the 100 brightest groups of sources; -k aperture then has "
-        "the stop of the lens"),
+        "one, which glarepp lens lists: of the lights that have flux, of auto "
+        "where none is given, of the 100 brightest groups of sources where "
+        "the frame shows none; -k aperture then has the stop of the lens"),
+    LEVEL(lens.gain, .name = "lens-gain", BOTH(SUN), .needs = GP_NEED_LENS,
+        .help = "Scale the ghosts of the lens, as --flare-gain"),
     OPT(lens.sensor, .name = "sensor-size", BOTH(SUN), .arg = "MM",
         .needs = GP_NEED_LENS, .lo = FLT_MIN, .hi = 1e4, .help = "Width of the "
         "display window on the lens's sensor; without it by --fov or the "

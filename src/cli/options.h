@@ -75,7 +75,7 @@ struct gp_input_settings {
 /* Files to write. */
 struct gp_output_settings {
     struct gp_texts pictures;          // -o
-    struct gp_texts hdr, layer;
+    struct gp_texts hdr, layer, parts;
     const char *debug[GP_DEBUG_KINDS];
     const char *grow;                  // as given; NULL: 0 pixels
     int grow_pixels;                   // ... as checked; or GP_GROW_*
@@ -201,6 +201,7 @@ enum gp_option_kind {
     GP_KIND_SET,     // enum: set to `set`, takes no value
     GP_KIND_FLOAT,
     GP_KIND_REAL,    // double
+    GP_KIND_LEVEL,   // float: "2", "+3ev", or "auto", which is 0
     GP_KIND_THRESHOLD, // struct glarepp_sense_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
@@ -256,17 +257,18 @@ enum gp_need {
     GP_NEED_LENS = 1 << 11,      // --lens
     GP_NEED_SCENE = 1 << 12,     // --scene
     GP_NEED_RELIGHT = 1 << 13,   // --relight
+    GP_NEED_FLARE = 1 << 14,     // --flare
     // without these the option does nothing: a warning
-    GP_NEED_MASK = 1 << 14,       // --sun-method mask
-    GP_NEED_MAP = 1 << 15,        // --sun-method mask or --debug sunmap
-    GP_NEED_TONES = 1 << 16,      // no --ocio
-    GP_NEED_CURVE = 1 << 17,      // --ocio, or a curve other than none
-    GP_NEED_EXTENDED = 1 << 18,   // --tonemap reinhard-extended
-    GP_NEED_SPLAT = 1 << 19,      // --engine splat, or --debug polygons
-    GP_NEED_AUTO = 1 << 20,       // --engine auto
-    GP_NEED_STREAM = 1 << 21,     // an output without an ending
-    GP_NEED_FILES = 1 << 22,      // an output file
-    GP_NEEDS = 23,
+    GP_NEED_MASK = 1 << 15,       // --sun-method mask
+    GP_NEED_MAP = 1 << 16,        // --sun-method mask or --debug sunmap
+    GP_NEED_TONES = 1 << 17,      // no --ocio
+    GP_NEED_CURVE = 1 << 18,      // --ocio, or a curve other than none
+    GP_NEED_EXTENDED = 1 << 19,   // --tonemap reinhard-extended
+    GP_NEED_SPLAT = 1 << 20,      // --engine splat, or --debug polygons
+    GP_NEED_AUTO = 1 << 21,       // --engine auto
+    GP_NEED_STREAM = 1 << 22,     // an output without an ending
+    GP_NEED_FILES = 1 << 23,      // an output file
+    GP_NEEDS = 24,
 };
 
 struct gp_option {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/options.h"
 
+#include "core/maths.h"
 #include "core/memory.h"
 
 #include <errno.h>
@@ -73,6 +74,24 @@ static gp_status set_number(const struct use *u, void *field)
         *(int *) field = (int) n;
     else
         *(long long *) field = n;
+    return GP_OK;
+}
+
+/* Sets a factor from "2", "+3ev" or "auto". */
+static gp_status set_level(const struct use *u, void *field)
+{
+    const struct gp_option *const o = u->option;
+    const char *end = u->value;
+    double v = 0.0;
+    const bool given = strcmp(u->value, "auto") == 0;
+    const bool read = !given && read_double(&end, &v);
+    const bool ev = read && strcasecmp(end, "ev") == 0;
+    v = ev ? gp_exp2(v) : v;
+    if (!given && (!read || (*end && !ev) || !(v > 0.0 && v <= o->hi)))
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s: not a level (found \"%s\"); "
+                       "give a factor over 0 and up to %g, EV such as +6ev, or "
+                       "auto", o->name, u->value, o->hi);
+    *(float *) field = (float) v;
     return GP_OK;
 }
 
@@ -237,6 +256,8 @@ static gp_status set_value(const struct use *u, void *field)
     case GP_KIND_INT:
     case GP_KIND_COUNT:
         return set_number(u, field);
+    case GP_KIND_LEVEL:
+        return set_level(u, field);
     case GP_KIND_THRESHOLD:
         return set_threshold(u, field);
     case GP_KIND_NUMBERS:
@@ -386,7 +407,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     out->words.argc = argc;
     struct gp_texts *const lists[] = {
         &out->input.files, &out->output.pictures, &out->output.hdr,
-        &out->output.layer, &out->input.light_groups, &out->kernel.words,
+        &out->output.layer, &out->output.parts, &out->input.light_groups, &out->kernel.words,
         &out->sun.relight, &out->tone.context, &out->words.options,
     };
     enum { LISTS = sizeof lists / sizeof *lists };

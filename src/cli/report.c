@@ -148,6 +148,10 @@ json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
         snprintf(text, sizeof text, "%.7g", o->kind == GP_KIND_REAL
                      ? *(const double *) at : (double) *(const float *) at);
         return json_real(strtod(text, NULL)); // NULL when it is not finite
+    case GP_KIND_LEVEL:
+        return *(const float *) at > 0.0f
+                   ? json_real((double) *(const float *) at)
+                   : json_string("auto");
     case GP_KIND_THRESHOLD: // "99.9%" and "+3ev" too
         snprintf(text, sizeof text, s->light.sense.unit == GLAREPP_EV
                      ? "%+.7gev" : s->light.sense.unit == GLAREPP_PERCENTILE
@@ -361,6 +365,7 @@ static const struct row made_rows[] = {
     FACT("bound", bound, IF(bounded)),
     SOME("bound_pixel", lib.layer.bound_pixel),
     FACT("flare.elements", lib.flare.elements, IF(lib.flare.runs)),
+    SOME("flare.gain", lib.flare.gain),
     SOME("flare.runs", lib.flare.runs),
     SOME("flare.engine", lib.flare.engine),
     FACT("flare.bound", lib.flare.bound, IF(lib.flare.runs)),
@@ -377,6 +382,7 @@ static const struct row made_rows[] = {
     SOME("lens.name", lib.lens.name),
     FACT("lens.sensor_mm", lib.lens.sensor, IF(lib.lens.name), .step = 1e-3),
     FACT("lens.sensor_from", lib.lens.sensor_from, IF(lib.lens.name)),
+    FACT("lens.gain", lib.lens.gain, IF(lib.lens.name)),
     FACT("lens.lights", lib.lens.lights, IF(lib.lens.name)),
     FACT("lens.ghosts", lib.lens.drawn, IF(lib.lens.name)),
     FACT("lens.ghosts_left_out", lib.lens.left_out, IF(lib.lens.name)),

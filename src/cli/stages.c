@@ -79,15 +79,15 @@ static bool untoned(const struct gp_settings *s)
 static bool writes_floats(const struct gp_run *r,
                           const struct gp_frame_state *fs)
 {
-    const enum gp_out_type type = r->s->output.write.type;
     bool some = false;
     for (int i = 0; i < r->jobs->targets; i++) {
-        const enum gp_target_kind kind = r->jobs->target[i].kind;
-        some |= kind == GP_TARGET_HDR || kind == GP_TARGET_LAYER ||
-                (kind == GP_TARGET_PICTURE && untoned(r->s));
+        const struct gp_output *const t = &r->jobs->target[i];
+        const bool linear = t->kind <= GP_TARGET_PARTS ||
+                            (t->kind == GP_TARGET_PICTURE && untoned(r->s));
+        some |= linear && gp_write_has_floats(&r->s->output.write, t->name.path,
+                                              fs->file.colour_type);
     }
-    return some && (type == GP_OUT_FLOAT ||
-                    (type == GP_OUT_AUTO && fs->file.colour_type == GP_FLOAT));
+    return some;
 }
 
 /* Begins the library's frame with the planes that were read. */
@@ -108,6 +108,7 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     p.last = fs->job - r->jobs->job == r->jobs->n - 1;
     p.layer_ends = r->layer_ends;
     p.details = r->details;
+    p.parts = r->s->output.parts.n > 0;
     if (writes_floats(r, fs))
         p.noise = 2e-5f;
     p.user = (void *) (uintptr_t) fs->log;
@@ -390,6 +391,8 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
         // (bound_pixel is of the composite, which needs the frame)
         [GP_TARGET_LAYER] = GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
             (s->light.layer.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0u),
+        [GP_TARGET_PARTS] = GP_HAS_RGB | GP_HAS_SOURCES | GP_HAS_KERNEL |
+            GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS,
         [GP_TARGET_PICTURE] = shown,
         [GP_TARGET_SENSORS] = GP_HAS_SOURCES,
         [GP_TARGET_POLYGONS] = GP_HAS_SOURCES | GP_HAS_KERNEL | shown,
@@ -473,6 +476,23 @@ out:
     return st;
 }
 
+/* Writes the parts of the layer. */
+static gp_status write_parts(struct gp_frame_state *fs,
+                             const struct gp_write_params *p, const char *name,
+                             struct gp_write_stats *stats)
+{
+    static const char *const names[] = {"veil", "core", "flare", "ghosts"};
+    enum { PARTS = sizeof names / sizeof *names };
+    struct gp_planes part[PARTS];
+    gp_status st = GP_OK;
+    for (int i = 0; i < PARTS && !st; i++)
+        st = look_at(fs, (enum glarepp_view) (GLAREPP_PART_VEIL + i), 0,
+                     &part[i], NULL);
+    return st ? st
+              : gp_write_parts(fs->log, p, name, &fs->file, names, part, PARTS,
+                               stats);
+}
+
 static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     const struct gp_write_params *p, const struct gp_output *t,
     const char *name, struct gp_write_stats *stats)
@@ -486,6 +506,8 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     struct gp_planes planes;
     if (t->kind == GP_TARGET_HDR)
         return write_hdr(r, fs, p, t->whole ? r->jobs->views : 1, name, stats);
+    if (t->kind == GP_TARGET_PARTS)
+        return write_parts(fs, p, name, stats);
     if (!picture)
         pictures.alpha = GP_ALPHA_BLACK; // light to be added has no alpha
     if (picture || t->kind == GP_TARGET_POLYGONS)

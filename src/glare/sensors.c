@@ -310,34 +310,22 @@ static void list_block(void *ctx, int block, int thread)
     }
 }
 
-/* Finds the 0.1 % percentile of luminance of the grid's lit pixels, and the
- * noise that can be seen there, or where more pixels than that are black. */
+/* Finds the 0.1 % percentile of luminance of the grid's pixels. */
 static void find_darkest(const struct sense *s, int threads,
                          struct gp_sources *out)
 {
-    // of 8 bits at EV 0, near black: 1.5e-4, and what estimates of noise miss
-    // where neighbours are of one colour
-    static const double HALF_CODE = 1.5e-4 / 3.0;
-    static const double SHARE = 5e-3;
-    uint32_t lit = 0, below = 0;
+    uint32_t all = 0, below;
     for (int t = 1; t < threads; t++) {
         for (int b = 0; b < DARK_BINS; b++)
             s->dark[0][b] += s->dark[t][b];
     }
-    const uint32_t black = s->dark[0][BLACK];
-    for (int b = 0; b < BLACK; b++)
-        lit += s->dark[0][b];
-    for (uint32_t b = 0; lit && b < BLACK; b++) {
+    for (int b = 0; b <= BLACK; b++)
+        all += s->dark[0][b];
+    below = s->dark[0][BLACK];
+    uint32_t b = 0;
+    for (; below * 1000ull < all && b < BLACK; b++)
         below += s->dark[0][b];
-        if (below * 1000ull >= lit) {
-            out->darkest = (double) gp_float_with_bits(b << DARK_SHIFT);
-            break;
-        }
-    }
-    const bool dark = black * 1000ull > black + lit;
-    out->visible =
-        dark ? HALF_CODE : fmax(HALF_CODE, SHARE * out->darkest);
-    out->hidden = dark ? ldexp(HALF_CODE, -6) : 0.0;
+    out->darkest = b ? (double) gp_float_with_bits((b - 1) << DARK_SHIFT) : 0.0;
 }
 
 static double total(const double v[WIDE])

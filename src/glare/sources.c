@@ -107,8 +107,6 @@ gp_status gp_sources_halve(const struct gp_log *log,
     if (st)
         return st;
     out->darkest = ldexp(out->darkest, -times);
-    out->visible = ldexp(out->visible, -times);
-    out->hidden = ldexp(out->hidden, -times);
     for (int y = 0; y < src->h; y++) {
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
             const float rgb[3] = {ldexpf(src->rgb[0][i], -times),

@@ -51,19 +51,13 @@ struct gp_sources {
     long long clamped;    // pixels with a finite value over max_value
     double flux_clamped[3]; // light that max_value removed, by channel
     float threshold;      // T as luminance
-    double darkest;       // a low percentile (0.1 %) of the cleaned frame's
-                          // positive luminance; 0 when all is black
-    double visible;       // noise of a pixel that a picture of 8 bits shows at
-                          // EV 0: half a code near black, or 0.5 % of darkest
-                          // where that is more and at most 0.1 % is black; 0
-                          // is not known
-    double hidden;        // where more is black, noise that a picture shows
-                          // nowhere at EV +6; else 0
+    double darkest;       // 0.1 % percentile of the cleaned frame's luminance: 0
+                          // where more is black
 };
 
 /* Makes a list without sources, with room for `room` of them, for a frame like
  * that of `like`, of which it copies sizes, window, weights, faint, the facts
- * of the frame, darkest, visible and hidden. Written only on GP_OK; free with
+ * of the frame, and darkest. Written only on GP_OK; free with
  * gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
     const struct gp_sources *like, size_t room, struct gp_sources *out);
@@ -88,7 +82,7 @@ void gp_sources_copy(const struct gp_sources *src, uint32_t i, int x, int y,
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
 
-/* The same sources, darkest, visible and hidden, halved so many times. Written
+/* The same sources and darkest, halved so many times. Written
  * only on GP_OK; free with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
     const struct gp_sources *src, int times, struct gp_sources *out);

@@ -584,9 +584,6 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
         GP_TRY(gp_flare_add(log, &sprite, l, 1, f->data, f->display,
                             &f->layer));
     }
-    if (suns->flare.n)
-        GP_TRY(gp_flare_add(log, &suns->flare, suns->light, suns->n, f->data,
-                            f->display, &f->layer));
 out:
     drop_sprite(&sprite);
     return st;

@@ -125,8 +125,8 @@ GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_image *f,
     const struct gp_sources *src, struct gp_sources *out);
 
-/* Adds lens flare, and the glare of lights that did not go through the engines,
- * to f->layer, which is made. Errors: GP_ERR_DATA a radius over 1024 pixels;
+/* Adds the glare of lights that did not go through the engines to f->layer, which
+ * is made. Errors: GP_ERR_DATA a radius over 1024 pixels;
  * those of gp_kernel_spread(). */
 GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
     struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_image *f);

@@ -105,12 +105,12 @@ struct gp_far_error {
     double rounding; // over the most that a sample can be
 };
 
-/* Plans, spectrum and scratch for one far field; kept from frame to frame. */
+/* Transforms, spectrum and scratch for one far field; kept from frame to frame. */
 struct gp_far_state;
 void gp_far_close(struct gp_far_state **state);
 
-/* Makes *state fit the far field: NULL at first, or any. Errors: GP_ERR_IO no
- * FFTW; GP_ERR_BUG out of memory. */
+/* Makes *state fit the far field: NULL at first, or any. Errors: GP_ERR_BUG out of
+ * memory. */
 GP_MUST_CHECK gp_status gp_far_open(const struct gp_log *log,
     const struct gp_far_field *t, struct gp_far_state **state);
 const struct gp_far_error *gp_far_error_of(const struct gp_far_state *s);

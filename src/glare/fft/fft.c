@@ -298,8 +298,7 @@ out:
 }
 
 /* Tests whether the noise of transforms in float would be seen: where the largest
- * error of a pixel is over the share of the darkest light that may be wrong, or
- * shows near black. */
+ * error of a pixel is over the share of the darkest light that may be wrong. */
 static bool is_seen(const struct gp_glare_request *req,
                     const struct gp_fft_placing *p, const struct fft_state *s)
 {
@@ -312,13 +311,8 @@ static bool is_seen(const struct gp_glare_request *req,
         if (req->kernel->far && src->flux[c] > 0.0)
             glare = fmin(glare, src->flux[c] * req->kernel->far->least);
     }
-    double limit = (double) req->params->seen *
-                   (own + (glare < INFINITY ? gain * glare : 0.0));
-    // a frame that is black has no light of its own to hide noise at any EV
-    if (src->visible > 0.0)
-        limit = fmin(limit, src->visible);
-    if (src->hidden > 0.0)
-        limit = fmin(limit, src->hidden);
+    const double limit = (double) req->params->seen *
+                         (own + (glare < INFINITY ? gain * glare : 0.0));
     return !(gain * gp_fft_rounding(false) * noise <= limit);
 }
 

@@ -526,6 +526,40 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
     return st;
 }
 
+gp_status gp_exr_write_parts(const struct gp_log *log,
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const char *const *name, const struct gp_planes *part, int n,
+    struct gp_write_stats *stats)
+{
+    struct part out = {.f = f};
+    struct writing w = {
+        .log = log, .p = p, .path = path, .in = gp_input_of(f), .part = &out,
+        .parts = 1, .kept = GP_EXR_KEEP_SCENE,
+    };
+    gp_status st;
+    out.fit = &w.fit;
+    GP_TRY(make_room(log, 3 * n, n, &out));
+    for (int i = 0; i < n; i++) {
+        struct gp_planes planes = part[i];
+        enum gp_pixel_type type;
+        GP_TRY(fit_colour(log, p, f, &planes, &type, &out));
+        for (int c = 0; c < 3; c++) {
+            const size_t room = strlen(name[i]) + 3;
+            char *channel;
+            GP_TRY(gp_alloc(log, "channels", room, 1, &channel));
+            out.owned[out.n_owned++] = channel;
+            snprintf(channel, room, "%s.%c", name[i], "RGB"[c]);
+            add_plane(&out, type, channel, f, planes.c[c], false);
+        }
+    }
+    qsort(out.img.source, (size_t) out.img.sources, sizeof *out.img.source,
+          by_name);
+    st = write_file(&w, stats);
+out:
+    free_part(&out);
+    return st;
+}
+
 /* -- --hdr: the frame as it came in, with glare --------------------------- */
 
 gp_status gp_exr_write_hdr(const struct gp_log *log,

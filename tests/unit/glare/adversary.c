@@ -62,7 +62,7 @@ static bool open_toy(const struct toy *t, struct scene *s)
     const gp_status st = gp_kernel_from_frame(NULL, &kp, &image, &s->k);
     gp_image_free(&image);
     if (!st && !gp_sense(NULL, &open_all, &s->f, &s->src) && s->src.n) {
-        s->src.visible = s->src.hidden = 0.0; // no noise shows: fft is in float
+        s->src.darkest = INFINITY; // no noise shows: fft is in float
         scene_find_exact(s);
         return true;
     }

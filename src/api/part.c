@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+/* The parts of a layer, and the levels of those that are drawn into it. */
+#include "api/plan.h"
+
+#include "core/luminance.h"
+#include "core/maths.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+
+#include <math.h>
+#include <string.h>
+
+// -- veil and core ------------------------------------------------------------
+
+/* Keeps veil and core of a layer without flare and ghosts. */
+static gp_status keep_glare(struct glarepp_frame *f)
+{
+    const struct gp_sources *const s = f->joined.n ? &f->joined : &f->sources;
+    const struct gp_kernel *const k = gp_api_kernel(f);
+    const size_t n = gp_image_pixels(&f->image);
+    const bool inside =
+        k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
+    gp_status st = GP_OK;
+    for (int i = 0; i < 2 && !st; i++) {
+        gp_planes_free(&f->part[i]);
+        st = gp_planes_make(&f->log, "parts", n, &f->part[i]);
+    }
+    for (int c = 0; c < 3 && !st; c++) {
+        float *const veil = f->part[0].c[c], *const core = f->part[1].c[c];
+        const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
+        const float centre = inside ? k->k.c[c][at] : 0.0f;
+        memcpy(veil, f->image.layer.c[c], n * sizeof *veil);
+        memset(core, 0, n * sizeof *core);
+        for (int y = 0; y < s->h && s->n; y++) {
+            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+                const size_t p =
+                    (size_t) y * (size_t) s->w + (size_t) s->x[i];
+                core[p] = s->rgb[c][i] * centre;
+                veil[p] -= core[p];
+            }
+        }
+    }
+    return st;
+}
+
+// -- flare and ghosts ---------------------------------------------------------
+
+gp_status gp_api_part_open(struct glarepp_frame *f, struct gp_image *image,
+                           struct gp_planes *before)
+{
+    const bool first = f->p.parts && !f->part[0].c[0] && image == &f->image;
+    gp_status st = gp_api_dark_layer(&f->log, image);
+    if (!st && first)
+        st = keep_glare(f);
+    if (st)
+        return st;
+    *before = image->layer;
+    image->layer = (struct gp_planes) {0};
+    st = gp_api_dark_layer(&f->log, image);
+    if (st) {
+        image->layer = *before;
+        *before = (struct gp_planes) {0};
+    }
+    return st;
+}
+
+/* Rows of a part: its brightest pixels, or its sum with the layer. */
+struct rows {
+    const struct gp_image *image;
+    const struct gp_planes *part, *to;
+    float gain, dark;    // luminance of the picture that counts as dark
+    float (*peak)[2];    // of each row: in dark pixels, in all
+};
+
+static void find_peak(void *ctx, int y, int thread)
+{
+    const struct rows *const r = ctx;
+    const float *const weight = r->image->luminance;
+    const size_t w = (size_t) gp_image_w(r->image), from = (size_t) y * w;
+    (void) thread;
+    for (size_t i = from; i < from + w; i++) {
+        float own = 0.0f, v = 0.0f;
+        for (int c = 0; c < 3; c++) {
+            own += weight[c] * r->image->rgb.c[c][i];
+            v += weight[c] * r->part->c[c][i];
+        }
+        r->peak[y][0] = own < r->dark ? fmaxf(r->peak[y][0], v) : r->peak[y][0];
+        r->peak[y][1] = fmaxf(r->peak[y][1], v);
+    }
+}
+
+static void add_part(void *ctx, int y, int thread)
+{
+    const struct rows *const r = ctx;
+    const size_t w = (size_t) gp_image_w(r->image), from = (size_t) y * w;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        float *restrict const part = r->part->c[c], *restrict to = r->to->c[c];
+        for (size_t i = from; i < from + w; i++) {
+            part[i] *= r->gain;
+            to[i] += part[i];
+        }
+    }
+}
+
+gp_status gp_api_part_level(struct glarepp_frame *f,
+                            const struct gp_image *image, float gain,
+                            double *level)
+{
+    static const double WHITE = 0.25; // share of it that is the brightest
+    const struct glarepp_plan *const plan = f->plan;
+    const int h = gp_image_h(image);
+    float peak[2] = {0.0f, 0.0f};
+    *level = (double) gain;
+    if (gain > 0.0f)
+        return GP_OK;
+    const double white = gp_exp(-M_LN2 * (double) plan->tone.exposure);
+    struct rows r = {.image = image, .part = &image->layer,
+                     .dark = (float) (WHITE * white)};
+    const gp_status st =
+        gp_alloc_zero(&f->log, "rows", (size_t) h, sizeof *r.peak, &r.peak);
+    if (st)
+        return st;
+    gp_parallel_do(h, find_peak, &r);
+    for (int y = 0; y < h; y++) {
+        for (int i = 0; i < 2; i++)
+            peak[i] = fmaxf(peak[i], r.peak[y][i]);
+    }
+    gp_free(r.peak);
+    const double most = (double) (peak[0] > 0.0f ? peak[0] : peak[1]);
+    const double shown = plan->compose.gain > 0.0f
+                             ? (double) plan->compose.gain : 1.0;
+    *level = most > 0.0 ? fmin(WHITE * white / (shown * most), 1e30) : 1.0;
+    return GP_OK;
+}
+
+void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
+                       double level, struct gp_planes *before,
+                       struct gp_planes *kept)
+{
+    struct gp_planes part = image->layer;
+    const struct rows r = {.image = image, .part = &part, .to = before,
+                           .gain = (float) level};
+    gp_parallel_do(gp_image_h(image), add_part, (void *) (uintptr_t) &r);
+    image->layer = *before;
+    *before = (struct gp_planes) {0};
+    if (f->p.parts && kept) {
+        gp_planes_free(kept);
+        *kept = part;
+    } else {
+        gp_planes_free(&part);
+    }
+}
+
+gp_status gp_api_part_find(struct glarepp_frame *f, enum glarepp_view view)
+{
+    struct gp_planes *const part = &f->part[view - GLAREPP_PART_VEIL];
+    const size_t n = gp_image_pixels(&f->image);
+    if (part->c[0] || !f->p.parts || !(f->ran & 1u << GLAREPP_SENSE))
+        return GP_OK;
+    if (view == GLAREPP_PART_VEIL || view == GLAREPP_PART_CORE) {
+        const gp_status st = gp_api_dark_layer(&f->log, &f->image);
+        return st ? st : keep_glare(f);
+    }
+    const gp_status st = gp_planes_make(&f->log, "parts", n, part);
+    if (!st)
+        gp_planes_clear(part, 0, n);
+    return st;
+}
