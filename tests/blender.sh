@@ -4,7 +4,11 @@
 # behind an edge, in stills and an animation.
 . "$(dirname "$0")/cli/lib.sh"
 
-command -v blender >/dev/null || skip_all 'no blender'
+command -v blender >/dev/null || {
+    skip 1 'no blender' # (one that is counted)
+    done_testing
+    exit
+}
 mkdir -p scripts/addons
 cp "$root/examples/blender/glarepp_addon.py" scripts/addons
 
@@ -154,7 +158,7 @@ for thing, margin in ((lamps[0], 12), (lamps[2], 14), (sun, 0)):
     part = drawn[y - 24:y + 24, x - 24:x + 24] if thing == sun else \
         drawn[y - margin:y + margin, x - margin:x + margin]
     wanted = lights[thing.name]["flux"][0] * shares[thing.name]
-    check(abs(part[..., 0].sum() / wanted - 1) < .03,
+    check(abs(part[..., 0].sum() / wanted - 1) < .015,
           f"{thing.name}: the flux is that of the pixels that Cycles draws",
           part[..., 0].sum(), wanted)
 own.lights = "OFF"
