@@ -175,7 +175,7 @@ COMPLETIONS := bash=share/bash-completion/completions/glarepp \
     zsh=share/zsh/site-functions/_glarepp fish=share/fish/vendor_completions.d/glarepp.fish
 DOCUMENTS := README.md LICENSE $(wildcard man/*.md) \
     $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py alley.glb \
-        embed.c embed_many.c) \
+        embed.c embed_many.c blender/README.md blender/glarepp_addon.py) \
     $(wildcard examples/lenses/*.json examples/flares/*.json)
 INSTALLED = $(B)/glarepp=bin/glarepp $(foreach f,$(BRIDGES),$(f)=lib/glarepp/$(notdir $(f))) \
     $(COMPLETIONS:%=$(B)/completions.%) man/glarepp.1=share/man/man1/glarepp.1 \
@@ -197,7 +197,8 @@ install: all $(foreach s,bash zsh fish,$(B)/completions.$(s)) ## first: installs
 uninstall: ## install: removes the files of install
 	@for f in $(INSTALLED); do rm -f '$(DESTDIR)$(PREFIX)'/"$${f#*=}"; done; rm -f $(AT)/libglarepp.so
 	@-cd '$(DESTDIR)$(PREFIX)' 2>/dev/null && rmdir lib/glarepp \
-	    $(DOC)/man $(DOC)/examples/lenses $(DOC)/examples/flares $(DOC)/examples $(DOC) 2>/dev/null
+	    $(DOC)/man $(DOC)/examples/lenses $(DOC)/examples/flares $(DOC)/examples/blender \
+	    $(DOC)/examples $(DOC) 2>/dev/null
 
 deb: all ## install: makes the Debian packages in build/
 	@rm -rf $(B)/deb

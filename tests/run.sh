@@ -52,7 +52,7 @@ count()
 reasons()
 {
     case $1 in
-    *.t) sed -nE 's/^(ok [0-9]+|1\.\.0) # SKIP //p' "$2" ;;
+    *.t | *.sh) sed -nE 's/^(ok [0-9]+|1\.\.0) # SKIP //p' "$2" ;;
     *) sed -n 's/^# skipped: //p' "$2" ;;
     esac
 }
@@ -103,12 +103,12 @@ chosen()
 first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
 first="$first|manual\.t|styles\.t|data\.t|bench\.t|determinism\.t|soak\.t|fuzz\.t"
 first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw|api-fail_nth"
-first="$first|compare\.t|engines\.t|glare-edges|scene-sets"
+first="$first|blender\.sh|compare\.t|engines\.t|glare-edges|scene-sets"
 tasks=()
 for check in $checks; do tasks+=("check $check $check"); done
-for test in tests/cli/*.t; do
+for test in tests/cli/*.t tests/blender.sh; do
     name=${test##*/}
-    ! chosen "${name%.t}" || tasks+=("cli $test $name")
+    ! chosen "${name%.*}" || tasks+=("cli $test $name")
 done
 for unit in $units; do
     room=${unit##*/}

@@ -31,8 +31,8 @@ share/fish/vendor_completions.d/glarepp.fish'
     [ "$1" = deb ] || echo lib/glarepp/glarepp-ocio.so
     (cd "$root" && ls README.md LICENSE man/*.md examples/lenses/*.json \
         examples/flares/*.json) | sed 's|^|share/doc/glarepp/|'
-    for file in alley.glb blender_camera.py embed.c embed_many.c openjd.yaml \
-        parallel.sh slurm.sh; do
+    for file in alley.glb blender/README.md blender/glarepp_addon.py \
+        blender_camera.py embed.c embed_many.c openjd.yaml parallel.sh slurm.sh; do
         echo share/doc/glarepp/examples/$file
     done
 }

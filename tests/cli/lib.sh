@@ -10,7 +10,8 @@
 # Numbers of tests are counted here, and done_testing prints the plan: a test
 # that ends early has none and fails.
 
-root=$(cd "$(dirname "$0")/../.." && pwd)
+root=$(cd "$(dirname "$0")/.." && pwd)
+[ -d "$root/tests" ] || root=${root%/tests} # of a test in tests/cli
 cli=$root/tests/cli
 case ${GLAREPP-} in
 '') glarepp=$root/build/glarepp ;;
