@@ -325,7 +325,7 @@ static gp_status check_inputs(const struct gp_log *log,
     const int n = s->input.files.n;
     const bool none = s->bench.paper ||
                       (s->command == GP_COMMAND_KERNEL && !s->making.check);
-    const int least = none ? 0 : c->least;
+    const int least = none || s->words.save_settings ? 0 : c->least;
     // (--paper says itself that it reads none)
     const int most = none && !s->bench.paper ? 0 : c->most;
     if (n > most)
@@ -361,7 +361,11 @@ static gp_status check_outputs(const struct gp_log *log,
                        "light); leave one out", s->lens.lens ? "--lens"
                                                              : "--flare");
     const struct gp_texts *const in = &s->input.files;
-    if (!bench && !wants)
+    const bool saves = s->words.save_settings && !in->n; // nothing else
+    if (saves && wants)
+        return gp_fail(log, GP_ERR_USAGE, "no input; write %s",
+                       gp_commands->example->line);
+    if (!bench && !wants && !saves)
         return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
                        "give -o out.png, or --hdr out.exr for linear light",
                        in->at[0], in->n > 2 ? " ... " : in->n > 1 ? " " : "",
@@ -374,9 +378,6 @@ static gp_status check_lights(const struct gp_log *log,
                               const struct gp_log *warn,
                               const struct gp_sun_settings *sun)
 {
-    if (sun->at.n == 3 && sun->at.v[2] < 0.0)
-        return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "
-                       "%g); give 0 or more", sun->at.v[2]);
     if (sun->color.n == 2)
         return gp_fail(log, GP_ERR_USAGE,
                        "--sun-color: two numbers; give one or three");
@@ -458,8 +459,7 @@ static gp_status find_config(const struct gp_log *log, const char **config)
                          "or give another config, e.g. --ocio config.ocio");
 }
 
-/* Fills in the library's lists, and what follows from several options. */
-static void set_params(struct gp_settings *s)
+void gp_settings_point(struct gp_settings *s)
 {
     const bool given = gp_option_given(s, "kernel-normalize");
     const bool none = s->kernel.normalize == GP_NORMALIZE_NONE;
@@ -493,7 +493,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return st;
     if (s->command == GP_COMMAND_COMPARE)
         return check_compare(log, s);
-    set_params(s);
+    gp_settings_point(s);
     GP_TRY(find_config(log, &s->tone.map.config));
     GP_TRY(check_kernel_size(log, s));
     if (s->scene.path && !gp_option_given(s, "sun-outside"))

