@@ -4,8 +4,163 @@
 #include "cli/words.h"
 #include "core/memory.h"
 
+#include <errno.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+
+// -- numbers -------------------------------------------------------------------
+
+/* The value of an option as a word. */
+struct value {
+    const struct gp_log *log;
+    const struct gp_option *option;
+    const char *text;
+};
+
+static gp_status out_of_range(const struct value *u)
+{
+    return gp_fail(u->log, GP_ERR_USAGE,
+                   "--%s: out of range (found %s); give %s", u->option->name,
+                   u->text, gp_option_range(u->option).text);
+}
+
+/* Reads a number, without blanks before it, and moves *s after it. (Its decimal
+ * point is a point: nothing calls setlocale().) */
+static bool read_double(const char **s, double *out)
+{
+    if (**s == '\0' || strchr(" \t\n\v\f\r", **s))
+        return false;
+    char *end;
+    *out = strtod(*s, &end);
+    bool read = end != *s;
+    *s = end;
+    return read;
+}
+
+static gp_status read_number(const struct value *u, double *out)
+{
+    const struct gp_option *const o = u->option;
+    const bool whole = o->kind == GP_KIND_INT || o->kind == GP_KIND_COUNT;
+    char *end;
+    const char *s = u->text;
+    double v;
+    errno = 0;
+    const long long n = whole ? strtoll(u->text, &end, 10) : 0;
+    if (whole ? end == u->text || *end : !read_double(&s, &v) || *s)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not %s (found \"%s\"); give %s", o->name,
+                       whole ? "a whole number" : "a number", u->text,
+                       gp_option_range(o).text);
+    v = whole ? (double) n : v; // (ranges end before 2^53)
+    if ((whole && errno == ERANGE) || !(v >= o->lo && v <= o->hi)) // NaN too
+        return out_of_range(u);
+    *out = v;
+    return GP_OK;
+}
+
+/* Reads a threshold: "1", "99.9%" or "+3ev". */
+static gp_status read_threshold(const struct value *u, double *out,
+                                enum glarepp_threshold *unit)
+{
+    const char *end = u->text;
+    double v;
+    const bool read = read_double(&end, &v);
+    const bool ev = read && strcasecmp(end, "ev") == 0;
+    const bool percent = read && strcmp(end, "%") == 0;
+    if (!read || (*end && !ev && !percent))
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not a threshold (found "
+                       "\"%s\"); give a luminance such as 1, a percentile such "
+                       "as 99.9%%, or +3ev",
+                       u->option->name, u->text);
+    if (!(v >= (ev ? -64.0 : 0.0) &&
+          v <= (ev        ? 64.0
+                : percent ? 100.0
+                          : (double) FLT_MAX))) // NaN too
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: out of range (found %s); "
+                       "give 0 or more, 0%% to 100%%, or -64ev to 64ev",
+                       u->option->name, u->text);
+    *out = v;
+    *unit = ev ? GLAREPP_EV : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
+    return GP_OK;
+}
+
+/* Reads numbers of "x,y,...". */
+static gp_status read_list(const struct value *u, struct gp_numbers *out)
+{
+    const struct gp_option *const o = u->option;
+    struct gp_numbers list = {0};
+    const char *s = u->text;
+    char range[16] = "";
+    bool whole = false;
+    while (!whole && list.n < o->most && read_double(&s, &list.v[list.n])) {
+        list.n++;
+        whole = *s == '\0';
+        if (!whole && *s++ != ',')
+            break;
+    }
+    if (o->least < o->most)
+        snprintf(range, sizeof range, "%d to ", o->least);
+    if (!whole || list.n < o->least)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not %s%d numbers (found \"%s\"); write %s",
+                       o->name, range, o->most, u->text, o->arg);
+    for (int i = 0; i < list.n; i++) {
+        if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
+            return out_of_range(u);
+    }
+    if (o->at == offsetof(struct gp_settings, sun.at) && list.v[2] < 0.0)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--sun: a negative radius (found "
+                       "%g); give 0 or more",
+                       list.v[2]);
+    *out = list;
+    return GP_OK;
+}
+
+gp_status gp_quantity_read(const struct gp_log *log, const struct gp_option *o,
+                           const char *value, struct gp_quantity *out)
+{
+    const struct value u = {log, o, value};
+    *out = (struct gp_quantity) {.list.n = 1};
+    return o->kind == GP_KIND_NUMBERS ? read_list(&u, &out->list)
+           : o->kind == GP_KIND_THRESHOLD
+               ? read_threshold(&u, out->list.v, &out->unit)
+               : read_number(&u, out->list.v);
+}
+
+void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *q,
+                     struct gp_settings *s)
+{
+    void *const field = (char *) s + o->at;
+    struct glarepp_sense_params *const sense = field;
+    const double v = q->list.v[0];
+    switch (o->kind) {
+    case GP_KIND_REAL:
+        *(double *) field = v;
+        break;
+    case GP_KIND_INT:
+        *(int *) field = (int) v;
+        break;
+    case GP_KIND_COUNT:
+        *(long long *) field = (long long) v;
+        break;
+    case GP_KIND_NUMBERS:
+        *(struct gp_numbers *) field = q->list;
+        break;
+    case GP_KIND_THRESHOLD:
+        sense->threshold = (float) v;
+        sense->unit = q->unit;
+        break;
+    default:
+        *(float *) field = (float) v;
+    }
+}
+
+// -- keys ----------------------------------------------------------------------
 
 enum { MOST_BYTES = 4 << 20 }; // of a file
 
@@ -22,8 +177,6 @@ static bool may_change(const struct gp_option *o)
            (o->group == GP_GROUP_LIGHT || o->group == GP_GROUP_SUN ||
             o->group == GP_GROUP_TONE);
 }
-
-// -- reading -----------------------------------------------------------------
 
 /* Keys being read. */
 struct reading {
@@ -215,7 +368,9 @@ void gp_keys_drop(struct gp_settings *s, const struct gp_option *o)
 
 // -- a frame's values ----------------------------------------------------------
 
-struct gp_quantity gp_keys_at(const struct gp_keyed *k, int frame)
+/* Returns the value at a frame: a key's own as it was written, between two keys
+ * by double. */
+static struct gp_quantity value_at(const struct gp_keyed *k, int frame)
 {
     int i = 0;
     while (i < k->n && k->key[i].frame <= frame)
@@ -237,7 +392,7 @@ void gp_settings_at(const struct gp_settings *s, int frame,
 {
     *out = *s;
     for (int i = 0; i < s->keyeds; i++) {
-        const struct gp_quantity v = gp_keys_at(&s->keyed[i], frame);
+        const struct gp_quantity v = value_at(&s->keyed[i], frame);
         gp_quantity_set(s->keyed[i].option, &v, out);
     }
     gp_settings_point(out);

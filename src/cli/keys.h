@@ -1,10 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Values that change over frames: "1001:0.5,1050:2", "1001:960/200,1050:990/180"
- * for lists, or "@FILE", a line "frame,value" or "frame,x,y" for each key. */
+/* Numbers of options, and keys: values that change over frames, written as
+ * "1001:0.5,1050:2", lists as "1001:960/200,1050:990/180", or as "@FILE" with a
+ * line "frame,value" or "frame,x,y" for each key. */
 #ifndef GP_CLI_KEYS_H
 #define GP_CLI_KEYS_H
 
 #include "cli/options.h"
+
+/* Reads the value of an option of numbers, GP_KIND_FLOAT to GP_KIND_NUMBERS, and
+ * checks its range. Errors: GP_ERR_USAGE. */
+GP_MUST_CHECK gp_status gp_quantity_read(const struct gp_log *log,
+                                         const struct gp_option *o,
+                                         const char *value,
+                                         struct gp_quantity *out);
+
+/* Sets the field of that option in *s. */
+void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *v,
+                     struct gp_settings *s);
 
 enum { GP_KEYS_MOST = 10000 }; // of one option
 
@@ -22,10 +34,6 @@ GP_MUST_CHECK gp_status gp_keys_read(const struct gp_log *log,
 
 /* Removes the keys of an option, if it has any. */
 void gp_keys_drop(struct gp_settings *s, const struct gp_option *o);
-
-/* Returns the value at a frame: a key's own as it was written, between two keys
- * by double. */
-struct gp_quantity gp_keys_at(const struct gp_keyed *k, int frame);
 
 /* Copies the settings with the values of a frame. *out borrows all that s owns:
  * it is not freed, and must not move. */

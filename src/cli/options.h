@@ -400,17 +400,6 @@ const struct gp_command_row *gp_command_of(unsigned commands);
 GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
     char *const argv[], struct gp_settings *out);
 
-/* Reads the value of an option of numbers, GP_KIND_FLOAT to GP_KIND_NUMBERS, and
- * checks its range. */
-GP_MUST_CHECK gp_status gp_quantity_read(const struct gp_log *log,
-                                         const struct gp_option *o,
-                                         const char *value,
-                                         struct gp_quantity *out);
-
-/* Sets the field of that option in *s. */
-void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *v,
-                     struct gp_settings *s);
-
 /* The needs that the settings do not meet: bits of enum gp_need. */
 unsigned gp_needs_unmet(const struct gp_settings *s);
 
