@@ -167,25 +167,6 @@ static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-/* Reads --kernel-size: "50", "50%" or "2deg". */
-static gp_status check_kernel_size(const struct gp_log *log,
-                                   struct gp_settings *s)
-{
-    const char *const word = s->kernel.size ? s->kernel.size : "100";
-    char *end;
-    const double v = *word >= '0' && *word <= '9' ? strtod(word, &end) : NAN;
-    const bool degrees = isfinite(v) && strcmp(end, "deg") == 0;
-    const bool percent = isfinite(v) && (!*end || strcmp(end, "%") == 0);
-    if (!(percent && v >= 0.1 && v <= 10000.0) &&
-        !(degrees && v >= 0.001 && v <= 180.0))
-        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: not a size (found "
-                       "\"%s\"); give 0.1 to 10000 percent of the image's "
-                       "pixels, or its height as 0.001deg to 180deg", word);
-    s->kernel.p.degrees = degrees ? v : 0.0;
-    s->kernel.p.percent = degrees ? 100.0 : v;
-    return GP_OK;
-}
-
 /* Checks that kernels are there, and that options of images have one. */
 static gp_status check_kernels(const struct gp_log *log,
                                const struct gp_settings *s)
@@ -207,9 +188,10 @@ static gp_status check_kernels(const struct gp_log *log,
     }
     const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
     const char *const image =
-        s->kernel.size && !files        ? "kernel-size"
-        : s->kernel.p.centred && !one   ? "kernel-center"
-        : s->kernel.p.normalized && !one ? "kernel-normalize" : NULL;
+        gp_option_given(s, "kernel-size") && !files ? "kernel-size"
+        : s->kernel.p.centred && !one               ? "kernel-center"
+        : s->kernel.p.normalized && !one            ? "kernel-normalize"
+                                                    : NULL;
     return !image ? GP_OK : gp_fail(log, GP_ERR_USAGE, "--%s: is of one image "
         "of a kernel (found %s); write image:file=PATH with its keys size, x, "
         "y and share, or leave it out", image,
@@ -495,7 +477,6 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return check_compare(log, s);
     gp_settings_point(s);
     GP_TRY(find_config(log, &s->tone.map.config));
-    GP_TRY(check_kernel_size(log, s));
     if (s->scene.path && !gp_option_given(s, "sun-outside"))
         sun->p.outside = GLAREPP_BY_SCENE;
     if (!s->scene.path && sun->p.outside == GLAREPP_BY_SCENE)

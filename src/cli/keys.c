@@ -61,8 +61,7 @@ static gp_status read_number(const struct value *u, double *out)
 }
 
 /* Reads a threshold: "1", "99.9%" or "+3ev". */
-static gp_status read_threshold(const struct value *u, double *out,
-                                enum glarepp_threshold *unit)
+static gp_status read_threshold(const struct value *u, double *out, int *unit)
 {
     const char *end = u->text;
     double v;
@@ -85,6 +84,27 @@ static gp_status read_threshold(const struct value *u, double *out,
                        u->option->name, u->text);
     *out = v;
     *unit = ev ? GLAREPP_EV : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
+    return GP_OK;
+}
+
+/* Reads a size of a kernel: "50", "50%" or "2deg". */
+static gp_status read_size(const struct value *u, double *out, int *unit)
+{
+    const char *end = u->text;
+    double v;
+    const bool read = read_double(&end, &v);
+    const bool degrees = read && strcmp(end, "deg") == 0;
+    const bool percent = read && (!*end || strcmp(end, "%") == 0);
+    if (!(percent && v >= 0.1 && v <= 10000.0) &&
+        !(degrees && v >= 0.001 && v <= 180.0))
+        return gp_fail(
+            u->log, GP_ERR_USAGE,
+            "--%s: not a size (found \"%s\"); "
+            "give 0.1 to 10000 percent of the image's pixels, or its "
+            "height as 0.001deg to 180deg",
+            u->option->name, u->text);
+    *out = v;
+    *unit = degrees;
     return GP_OK;
 }
 
@@ -127,6 +147,7 @@ gp_status gp_quantity_read(const struct gp_log *log, const struct gp_option *o,
     const struct value u = {log, o, value};
     *out = (struct gp_quantity) {.list.n = 1};
     return o->kind == GP_KIND_NUMBERS ? read_list(&u, &out->list)
+           : o->kind == GP_KIND_SIZE  ? read_size(&u, out->list.v, &out->unit)
            : o->kind == GP_KIND_THRESHOLD
                ? read_threshold(&u, out->list.v, &out->unit)
                : read_number(&u, out->list.v);
@@ -137,6 +158,7 @@ void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *q,
 {
     void *const field = (char *) s + o->at;
     struct glarepp_sense_params *const sense = field;
+    struct glarepp_kernel_params *const kernel = field;
     const double v = q->list.v[0];
     switch (o->kind) {
     case GP_KIND_REAL:
@@ -153,7 +175,11 @@ void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *q,
         break;
     case GP_KIND_THRESHOLD:
         sense->threshold = (float) v;
-        sense->unit = q->unit;
+        sense->unit = (enum glarepp_threshold) q->unit;
+        break;
+    case GP_KIND_SIZE:
+        kernel->degrees = q->unit ? v : 0.0;
+        kernel->percent = q->unit ? 100.0 : v;
         break;
     default:
         *(float *) field = (float) v;

@@ -33,10 +33,11 @@ const struct gp_settings gp_defaults = {
     { .at = offsetof(struct gp_settings, f), .kind = kind_of_f, __VA_ARGS__ }
 
 /* A number, flag, pair or free text, by the field's type. */
-#define OPT(f, ...)                                                           \
+#define OPT(f, ...) \
     ROW(f, _Generic(FIELD(f), bool *: GP_KIND_FLAG, float *: GP_KIND_FLOAT,   \
                     double *: GP_KIND_REAL,                                   \
                     struct glarepp_sense_params *: GP_KIND_THRESHOLD,         \
+                    struct glarepp_kernel_params *: GP_KIND_SIZE,             \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
                     struct gp_numbers *: GP_KIND_NUMBERS,                     \
                     const char **: GP_KIND_TEXT,                              \
@@ -161,7 +162,7 @@ const struct gp_option gp_options[] = {
         .help = "Vertical angle of view of the display window, by which models "
                 "have their size; without it the frame's camera, else 30",
         .usual = "Set the vertical angle of view"),
-    OPT(kernel.size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
+    OPT(kernel.p, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),
     OPT(kernel.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",

@@ -62,10 +62,10 @@ struct gp_texts {
     int n;
 };
 
-/* The numbers of a value: one, a list, or a threshold's in its unit. */
+/* The numbers of a value: one, or a list. */
 struct gp_quantity {
     struct gp_numbers list;
-    enum glarepp_threshold unit; // 0 of all others
+    int unit; // of a threshold: enum glarepp_threshold; of a size 1: degrees
 };
 
 /* Keys of an option whose value changes over frames: linear between them, held
@@ -116,7 +116,6 @@ struct gp_kernel_settings {
     struct gp_numbers centre;          // x, y
     struct glarepp_kernel_params p;    // of these
     enum gp_kernel_sum normalize;      // ... where it is given
-    const char *size;                  // as given; NULL: 100 percent
 };
 
 /* Suns and lamps, and what hides them. */
@@ -218,13 +217,14 @@ void gp_settings_free(struct gp_settings *s);
 /* Kinds of values. The field's type gives the kind; a field of another type
  * does not compile. */
 enum gp_option_kind {
-    GP_KIND_FLAG,    // bool: set true, or false by `off`
-    GP_KIND_SET,     // enum: set to `set`, takes no value
+    GP_KIND_FLAG, // bool: set true, or false by `off`
+    GP_KIND_SET,  // enum: set to `set`, takes no value
     GP_KIND_FLOAT,
-    GP_KIND_REAL,    // double
+    GP_KIND_REAL,      // double
     GP_KIND_THRESHOLD, // struct glarepp_sense_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
+    GP_KIND_SIZE,    // struct glarepp_kernel_params: "50", "50%", "2deg"
     GP_KIND_NUMBERS, // struct gp_numbers, "1,2,3": `least` to `most` of them
     GP_KIND_CHOICE,  // enum or int: one of `choices`
     GP_KIND_EITHER,  // bool: one of two `choices`

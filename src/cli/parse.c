@@ -143,6 +143,7 @@ static gp_status set_value(const struct use *u, struct gp_settings *s)
     case GP_KIND_INT:
     case GP_KIND_COUNT:
     case GP_KIND_THRESHOLD:
+    case GP_KIND_SIZE:
     case GP_KIND_NUMBERS:
         gp_keys_drop(s, u->option);
         if (gp_keys_are(u->value))

@@ -67,6 +67,11 @@ json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
                      ? "%.7g%%" : "%.7g", (double) s->light.sense.threshold);
         return s->light.sense.unit == GLAREPP_LUMINANCE
                    ? json_real(strtod(text, NULL)) : json_string(text);
+    case GP_KIND_SIZE:
+        snprintf(text, sizeof text, "%.7gdeg", s->kernel.p.degrees);
+        return s->kernel.p.degrees > 0.0      ? json_string(text)
+               : s->kernel.p.percent != 100.0 ? json_real(s->kernel.p.percent)
+                                              : NULL;
     case GP_KIND_INT:
         return json_integer(*(const int *) at);
     case GP_KIND_COUNT:

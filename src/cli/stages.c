@@ -17,7 +17,7 @@
 static gp_status make_own_plan(const struct gp_log *log, const struct gp_run *r,
                                struct gp_frame_state *fs)
 {
-    const struct gp_kernel_settings *const kernel = &r->s->kernel;
+    const struct glarepp_kernel_params *const k = &r->s->kernel.p;
     struct gp_own_plan *own;
     struct glarepp *const gp = r->gp;
     int frame;
@@ -33,9 +33,10 @@ static gp_status make_own_plan(const struct gp_log *log, const struct gp_run *r,
     struct gp_place place; // (it knows no frame)
     const struct gp_log there = gp_place_log(&place, log, fs->job->input, 0);
     gp_hear_about(&there);
-    if (memcmp(own->s.kernel.p.centre, kernel->p.centre,
-               sizeof kernel->p.centre) != 0) {
-        GP_TRY((gp_status) glarepp_kernel(gp, &own->s.kernel.p, &own->kernel));
+    const struct glarepp_kernel_params *const mine = &own->s.kernel.p;
+    if (memcmp(mine->centre, k->centre, sizeof k->centre) != 0 ||
+        mine->percent != k->percent || mine->degrees != k->degrees) {
+        GP_TRY((gp_status) glarepp_kernel(gp, mine, &own->kernel));
         plan.kernel = own->kernel;
     }
     GP_TRY((gp_status) glarepp_plan(gp, &plan, &own->plan));

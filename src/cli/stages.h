@@ -52,7 +52,7 @@ struct gp_frame_state {
 /* The settings of a frame with keys, and what is made of them. */
 struct gp_own_plan {
     struct gp_settings s;          // borrows from the run's
-    struct glarepp_kernel *kernel; // where its centre differs; else NULL
+    struct glarepp_kernel *kernel; // where it differs; else NULL
     struct glarepp_plan *plan;
     struct gp_own_plan *next;
 };

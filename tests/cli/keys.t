@@ -20,7 +20,8 @@ keyed()
 {
     run -q -e fft --gain 7:0.1,9:0.3 --threshold 0:0.5,8:0.1,20:0.7 \
         --exposure 8:-1,11:0.7 --sun @sun.csv --sun-color 50 --max-value \
-        8:3,9:1.7 -k k.exr --kernel-center 7:4.5/3.5,10:2/3 --rotate \
+        8:3,9:1.7 -k k.exr --kernel-center 7:4.5/3.5,10:2/3 --kernel-size \
+        7:100,10:200% --rotate \
         9:90,10:180 "$@"
 }
 # alone NUMBER: the same of one frame, as plain numbers in double
@@ -39,6 +40,7 @@ print("-g", at((7, .1), (9, .3)), "-t", at((0, .5), (8, .1), (20, .7)))
 print("--exposure=" + at((8, -1), (11, .7)), "--sun-color 50")
 print("--sun", at((7, 10, 12, 3), (10, 40, 30.5, 1.5)), "-k k.exr")
 print("--max-value", at((8, 3), (9, 1.7)))
+print("--kernel-size", at((7, 100), (10, 200)))
 print("--kernel-center", at((7, 4.5, 3.5), (10, 2, 3)))
 print("--rotate", at((9, 90), (10, 180)))
 PY

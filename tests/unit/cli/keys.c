@@ -59,7 +59,7 @@ static void lists_and_thresholds_have_keys(void **state)
     struct gp_settings s, at;
     assert_ok(parse_here("--sun 1:10/20/3,3:20/40/5 --threshold 1:+1ev,3:+3ev "
                          "-k k.exr --kernel-center 2:1/2,4:3/4 --exposure 0:1 "
-                         "--exposure 2",
+                         "--exposure 2 --kernel-size 1:1deg,3:2deg",
                          &s));
     gp_settings_at(&s, 2, &at);
     assert_true(at.sun.p.light == &at.sun.light && at.sun.p.lights == 1);
@@ -67,6 +67,7 @@ static void lists_and_thresholds_have_keys(void **state)
                 at.sun.light.radius == 4.0 && at.sun.p.sun.radius == 4.0);
     assert_true(at.light.sense.threshold == 2.0f &&
                 at.light.sense.unit == GLAREPP_EV);
+    assert_true(at.kernel.p.degrees == 1.5);
     gp_settings_at(&s, 3, &at);
     assert_true(at.kernel.p.centre[0] == 2.0 && at.kernel.p.centre[1] == 3.0);
     assert_true(at.tone.map.exposure == 2.0f); // the last use rules
@@ -117,6 +118,8 @@ static const struct {
     {"--gain 2:1,2:2", "must rise (found 2 after 2)", NULL},
     {"--threshold 1:1,2:+3ev", "the same unit", NULL},
     {"--threshold 1:1%,2:3", "the same unit", NULL},
+    {"-k k.exr --kernel-size 1:50,2:2deg", "the same unit", NULL},
+    {"-k k.exr --kernel-size 1:50,2:0", "--kernel-size: not a size", NULL},
     {"--sun 1:1/2,2:1/2/3", "the same count", NULL},
     {"--sun 1:1/2/3,2:1/2/-3", "--sun: a negative radius (found -3)", NULL},
     {"--sun 1:1", "--sun: not 2 to 3 numbers", NULL},
