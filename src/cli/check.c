@@ -170,25 +170,6 @@ static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-/* Reads --kernel-size: "50", "50%" or "2deg". */
-static gp_status check_kernel_size(const struct gp_log *log,
-                                   struct gp_settings *s)
-{
-    const char *const word = s->kernel.size ? s->kernel.size : "100";
-    char *end;
-    const double v = *word >= '0' && *word <= '9' ? strtod(word, &end) : NAN;
-    const bool degrees = isfinite(v) && strcmp(end, "deg") == 0;
-    const bool percent = isfinite(v) && (!*end || strcmp(end, "%") == 0);
-    if (!(percent && v >= 0.1 && v <= 10000.0) &&
-        !(degrees && v >= 0.001 && v <= 180.0))
-        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: not a size (found "
-                       "\"%s\"); give 0.1 to 10000 percent of the image's "
-                       "pixels, or its height as 0.001deg to 180deg", word);
-    s->kernel.p.degrees = degrees ? v : 0.0;
-    s->kernel.p.percent = degrees ? 100.0 : v;
-    return GP_OK;
-}
-
 /* Checks that kernels are there, and that options of images have one. */
 static gp_status check_kernels(const struct gp_log *log,
                                const struct gp_settings *s)
@@ -210,9 +191,10 @@ static gp_status check_kernels(const struct gp_log *log,
     }
     const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
     const char *const image =
-        s->kernel.size && !files        ? "kernel-size"
-        : s->kernel.p.centred && !one   ? "kernel-center"
-        : s->kernel.p.normalized && !one ? "kernel-normalize" : NULL;
+        gp_option_given(s, "kernel-size") && !files ? "kernel-size"
+        : s->kernel.p.centred && !one               ? "kernel-center"
+        : s->kernel.p.normalized && !one            ? "kernel-normalize"
+                                                    : NULL;
     return !image ? GP_OK : gp_fail(log, GP_ERR_USAGE, "--%s: is of one image "
         "of a kernel (found %s); write image:file=PATH with its keys size, x, "
         "y and share, or leave it out", image,
@@ -328,7 +310,7 @@ static gp_status check_inputs(const struct gp_log *log,
     const int n = s->input.files.n;
     const bool none = s->bench.paper ||
                       (s->command == GP_COMMAND_KERNEL && !s->making.check);
-    const int least = none ? 0 : c->least;
+    const int least = none || s->words.save_settings ? 0 : c->least;
     // (--paper says itself that it reads none)
     const int most = none && !s->bench.paper ? 0 : c->most;
     if (n > most)
@@ -364,7 +346,11 @@ static gp_status check_outputs(const struct gp_log *log,
                        "light); leave one out", s->lens.lens ? "--lens"
                                                              : "--flare");
     const struct gp_texts *const in = &s->input.files;
-    if (!bench && !wants)
+    const bool saves = s->words.save_settings && !in->n; // nothing else
+    if (saves && wants)
+        return gp_fail(log, GP_ERR_USAGE, "no input; write %s",
+                       gp_commands->example->line);
+    if (!bench && !wants && !saves)
         return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
                        "give -o out.png, or --hdr out.exr for linear light",
                        in->at[0], in->n > 2 ? " ... " : in->n > 1 ? " " : "",
@@ -408,9 +394,6 @@ static gp_status check_lights(const struct gp_log *log,
                               const struct gp_log *warn,
                               const struct gp_sun_settings *sun)
 {
-    if (sun->at.n == 3 && sun->at.v[2] < 0.0)
-        return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "
-                       "%g); give 0 or more", sun->at.v[2]);
     if (sun->color.n == 2)
         return gp_fail(log, GP_ERR_USAGE,
                        "--sun-color: two numbers; give one or three");
@@ -492,8 +475,7 @@ static gp_status find_config(const struct gp_log *log, const char **config)
                          "or give another config, e.g. --ocio config.ocio");
 }
 
-/* Fills in the library's lists, and what follows from several options. */
-static void set_params(struct gp_settings *s)
+void gp_settings_point(struct gp_settings *s)
 {
     const bool given = gp_option_given(s, "kernel-normalize");
     const bool none = s->kernel.normalize == GP_NORMALIZE_NONE;
@@ -528,9 +510,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     if (s->command == GP_COMMAND_COMPARE)
         return check_compare(log, s);
     GP_TRY(set_lights_file(log, s));
-    set_params(s);
+    gp_settings_point(s);
     GP_TRY(find_config(log, &s->tone.map.config));
-    GP_TRY(check_kernel_size(log, s));
     if (s->scene.path && !gp_option_given(s, "sun-outside"))
         sun->p.outside = GLAREPP_BY_SCENE;
     if (!s->scene.path && sun->p.outside == GLAREPP_BY_SCENE)

@@ -2,6 +2,7 @@
 /* glarepp compare: reads two images, or two sequences part by part, has them
  * compared, and reports: idiff's lines and more, a JSON object, pictures. */
 #include "cli/commands.h"
+#include "cli/words.h"
 #include "core/json.h"
 #include "core/memory.h"
 #include "core/minmax.h"

@@ -346,7 +346,9 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
                     t.text);
         }
         fprintf(f, "\nor an option or one of its values:\n"
-                   "  glarepp help --kernel\n  glarepp help splat\n");
+                   "  glarepp help --kernel\n  glarepp help splat\n"
+                   "\nNumbers may change over frames: --gain "
+                   "1001:0.5,1050:2, --sun @track.csv.\n");
         return GP_OK;
     }
     const char *const bare = topic + strspn(topic, "-");

@@ -126,10 +126,17 @@ static struct kernel_words words_of(const struct gp_settings *s,
     return w;
 }
 
+static _Thread_local const struct gp_log *about;
+
+void gp_hear_about(const struct gp_log *log)
+{
+    about = log;
+}
+
 void gp_hear(void *user, const struct glarepp_message *m)
 {
     const struct gp_listener *const l = user;
-    const struct gp_log *const to = m->user ? m->user : l->log;
+    const struct gp_log *const to = m->user ? m->user : about ? about : l->log;
     const struct kernel_words words = words_of(l->s, m->parameter);
     if (m->level == GLAREPP_ERROR)
         (void) (m->bare ? gp_fail_bare : gp_fail)(

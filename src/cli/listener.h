@@ -15,6 +15,10 @@ struct gp_listener {
  * frame, else to the listener's, and adds what to do. */
 void gp_hear(void *user, const struct glarepp_message *m);
 
+/* Has this thread's messages of no frame go to a log, until it is NULL: of a plan
+ * that is made for one frame. Borrowed. */
+void gp_hear_about(const struct gp_log *log);
+
 /* Returns words to put after the text of a message about that parameter: "; use
  * --engine fft", or ", or use --engine fft" where the text gives advice, or
  * "". */

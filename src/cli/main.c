@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/commands.h"
 #include "cli/machine.h"
+#include "cli/words.h"
 #include "cli/listener.h"
 #include "core/json.h"
 #include "core/parallel.h"
@@ -84,8 +85,15 @@ static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
 {
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
-    gp_status st = gp_jobs_make(log, s, &jobs);
-    if (!st) {
+    gp_status st = GP_OK;
+    if (!s->input.files.n) // only settings
+        st = gp_output_guard_check(log, s, NULL, NULL);
+    else
+        st = gp_jobs_make(log, s, &jobs);
+    if (!st && s->words.save_settings)
+        st = gp_file_check(log, s->words.save_settings,
+                           s->output.write.create_dir);
+    if (!st && s->input.files.n) {
         gp_progress_open(&progress, stderr, s->run.level == GP_LEVEL_ERROR
                              ? GP_PROGRESS_NEVER : s->run.progress);
         voice->progress = &progress;
@@ -93,6 +101,8 @@ static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
         voice->progress = NULL;
         gp_progress_close(&progress);
     }
+    if (!st && s->words.save_settings)
+        st = gp_settings_save(log, s);
     gp_jobs_free(&jobs);
     return st;
 }

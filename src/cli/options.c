@@ -33,10 +33,11 @@ const struct gp_settings gp_defaults = {
     { .at = offsetof(struct gp_settings, f), .kind = kind_of_f, __VA_ARGS__ }
 
 /* A number, flag, pair or free text, by the field's type. */
-#define OPT(f, ...)                                                           \
+#define OPT(f, ...) \
     ROW(f, _Generic(FIELD(f), bool *: GP_KIND_FLAG, float *: GP_KIND_FLOAT,   \
                     double *: GP_KIND_REAL,                                   \
                     struct glarepp_sense_params *: GP_KIND_THRESHOLD,         \
+                    struct glarepp_kernel_params *: GP_KIND_SIZE,             \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
                     struct gp_numbers *: GP_KIND_NUMBERS,                     \
                     const char **: GP_KIND_TEXT,                              \
@@ -170,7 +171,7 @@ const struct gp_option gp_options[] = {
         .help = "Vertical angle of view of the display window, by which models "
                 "have their size; without it the frame's camera, else 30",
         .usual = "Set the vertical angle of view"),
-    OPT(kernel.size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
+    OPT(kernel.p, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),
     OPT(kernel.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
@@ -431,6 +432,13 @@ const struct gp_option gp_options[] = {
     OPT(output.write.create_dir, .name = "create-dir", MAKES(FILE),
         .aside = true,
         .help = "Make missing folders of output files"),
+    OPT(words.settings, .name = "settings", IN(FILE), .aside = true,
+        .arg = "FILE", .help = "Read options from this file, one a line, or "
+        "from a PNG or EXR that glarepp made; those of the command line rule; "
+        "of files given more than once the later rules"),
+    OPT(words.save_settings, .name = "save-settings", IN(FILE), .aside = true,
+        .arg = "FILE", .once = true, .help = "Write the given options, but "
+        "for inputs and outputs, to this file, for --settings"),
     OPT(output.no_provenance, .name = "no-provenance", .group = GP_GROUP_FILE,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .aside = true,
         .help = "Write no glarepp:version and glarepp:command into EXR and "
@@ -604,6 +612,13 @@ const struct gp_option *gp_option_find(const char *name, size_t length)
             return o;
     }
     return NULL;
+}
+
+bool gp_option_makes_pixels(const struct gp_option *o)
+{
+    return o->pixels ||
+           (!o->aside && o->group != GP_GROUP_OUTPUT &&
+            o->group != GP_GROUP_REPORT && o->group != GP_GROUP_GENERAL);
 }
 
 bool gp_option_given(const struct gp_settings *s, const char *name)

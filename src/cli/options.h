@@ -62,6 +62,24 @@ struct gp_texts {
     int n;
 };
 
+/* The numbers of a value: one, or a list. */
+struct gp_quantity {
+    struct gp_numbers list;
+    int unit; // of a threshold: enum glarepp_threshold; of a size 1: degrees
+};
+
+/* Keys of an option whose value changes over frames: linear between them, held
+ * outside. */
+struct gp_keyed {
+    const struct gp_option *option;
+    const char *file; // borrowed; NULL: written on the command line
+    struct gp_key {
+        int frame;            // rises
+        struct gp_quantity v; // as many numbers, in the same unit, in all
+    } * key;                  // owned
+    int n;                    // at least 1
+};
+
 /* Frames to read. */
 struct gp_input_settings {
     struct gp_texts files;
@@ -98,7 +116,6 @@ struct gp_kernel_settings {
     struct gp_numbers centre;          // x, y
     struct glarepp_kernel_params p;    // of these
     enum gp_kernel_sum normalize;      // ... where it is given
-    const char *size;                  // as given; NULL: 100 percent
 };
 
 /* Suns and lamps, and what hides them. */
@@ -160,6 +177,9 @@ struct gp_word_settings {
     const char **all;                  // those of all lists; owned
     struct gp_texts options;           // name and value (NULL: takes none) of
                                        // each option given, in turn
+    struct gp_texts settings;          // files of options, the later rules
+    const char *save_settings;
+    struct gp_words *read;             // of these files; owned, or NULL
     const char *help;                  // topic, "" without one; NULL: no --help
     bool help_table, version;
     bool list_flares;                  // print their names, nothing else
@@ -184,6 +204,8 @@ struct gp_settings {
     struct gp_compare_settings compare;
     struct gp_run_settings run;
     struct gp_word_settings words;
+    struct gp_keyed *keyed; // owned: `keyeds` options, each once; their
+    int keyeds;             // fields hold the first key
 };
 
 /* The defaults of all options. */
@@ -197,14 +219,15 @@ void gp_settings_free(struct gp_settings *s);
 /* Kinds of values. The field's type gives the kind; a field of another type
  * does not compile. */
 enum gp_option_kind {
-    GP_KIND_FLAG,    // bool: set true, or false by `off`
-    GP_KIND_SET,     // enum: set to `set`, takes no value
+    GP_KIND_FLAG, // bool: set true, or false by `off`
+    GP_KIND_SET,  // enum: set to `set`, takes no value
     GP_KIND_FLOAT,
-    GP_KIND_REAL,    // double
-    GP_KIND_LEVEL,   // float: "2", "+3ev", or "auto", which is 0
+    GP_KIND_REAL,      // double
+    GP_KIND_LEVEL,     // float: "2", "+3ev", or "auto", which is 0
     GP_KIND_THRESHOLD, // struct glarepp_sense_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
+    GP_KIND_SIZE,    // struct glarepp_kernel_params: "50", "50%", "2deg"
     GP_KIND_NUMBERS, // struct gp_numbers, "1,2,3": `least` to `most` of them
     GP_KIND_CHOICE,  // enum or int: one of `choices`
     GP_KIND_EITHER,  // bool: one of two `choices`
@@ -324,6 +347,9 @@ struct gp_range_text gp_option_range(const struct gp_option *o);
 const struct gp_option *gp_option_find(const char *name, size_t length);
 const struct gp_option *gp_option_letter(char letter, unsigned commands);
 
+/* True when pixels of an output may depend on the option. */
+bool gp_option_makes_pixels(const struct gp_option *o);
+
 /* True when the command line gave that option, even with its default. */
 bool gp_option_given(const struct gp_settings *s, const char *name);
 
@@ -382,17 +408,13 @@ GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
 /* The needs that the settings do not meet: bits of enum gp_need. */
 unsigned gp_needs_unmet(const struct gp_settings *s);
 
+/* Sets what the library gets of the options, and the pointers within *s. */
+void gp_settings_point(struct gp_settings *s);
+
 /* Checks settings that depend on each other, sets fields that follow from
  * several options, and warns of options that do nothing. */
 GP_MUST_CHECK gp_status gp_settings_check(const struct gp_log *log,
                                           struct gp_settings *s);
-
-/* The command line that makes the same picture of those inputs, from malloc:
- * the given options that a pixel can depend on, then the inputs; quoted for a
- * shell, in UTF-8, on one line, file names without their folders. */
-GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
-    const struct gp_settings *s, const char *const *input, int inputs,
-    char **out);
 
 /* --help of one screen, to `f`: at most 24 lines of 80 columns. */
 void gp_help_screen(FILE *f);

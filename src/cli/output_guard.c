@@ -201,6 +201,14 @@ gp_status gp_output_guard_settle(struct gp_output_guard *c)
         if (glarepp_kernel_path(c->s->kernel.words.at[i], path, sizeof path))
             st = gp_output_guard_input(c, "--kernel", path);
     }
+    for (int i = 0; i < c->s->words.settings.n && !st; i++)
+        st = gp_output_guard_input(c, "--settings", c->s->words.settings.at[i]);
+    for (int i = 0; i < c->s->keyeds && !st; i++) {
+        const struct gp_keyed *const k = &c->s->keyed[i];
+        snprintf(what, sizeof what, "--%s", k->option->name);
+        if (k->file)
+            st = gp_output_guard_input(c, what, k->file);
+    }
     for (const struct gp_option *o = gp_options; o->name && !st; o++) {
         const char *const name = file_of(c->s, o, false);
         snprintf(what, sizeof what, "--%s", o->name);

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/options.h"
 
-#include "core/maths.h"
+#include "cli/keys.h"
+#include "cli/words.h"
 #include "core/memory.h"
 
-#include <errno.h>
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 // -- settings ----------------------------------------------------------------
 
 void gp_settings_free(struct gp_settings *s)
 {
+    while (s->keyeds)
+        gp_keys_drop(s, s->keyed[0].option);
+    GP_FREE(s->keyed);
+    gp_words_free(&s->words.read);
     GP_FREE(s->words.all);
 }
 
@@ -28,124 +30,6 @@ struct use {
     const struct gp_option *option;
     const char *value;  // NULL for options that take none
 };
-
-static gp_status out_of_range(const struct use *u)
-{
-    return gp_fail(u->log, GP_ERR_USAGE,
-                   "--%s: out of range (found %s); give %s", u->option->name,
-                   u->value, gp_option_range(u->option).text);
-}
-
-/* Reads a number, without blanks before it, and moves *s after it. (Its decimal
- * point is a point: nothing calls setlocale().) */
-static bool read_double(const char **s, double *out)
-{
-    if (**s == '\0' || strchr(" \t\n\v\f\r", **s))
-        return false;
-    char *end;
-    *out = strtod(*s, &end);
-    bool read = end != *s;
-    *s = end;
-    return read;
-}
-
-static gp_status set_number(const struct use *u, void *field)
-{
-    const struct gp_option *const o = u->option;
-    const bool whole = o->kind == GP_KIND_INT || o->kind == GP_KIND_COUNT;
-    char *end;
-    const char *s = u->value;
-    double v;
-    errno = 0;
-    const long long n = whole ? strtoll(u->value, &end, 10) : 0;
-    if (whole ? end == u->value || *end : !read_double(&s, &v) || *s)
-        return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: not %s (found \"%s\"); give %s", o->name,
-                       whole ? "a whole number" : "a number", u->value,
-                       gp_option_range(o).text);
-    v = whole ? (double) n : v;
-    if ((whole && errno == ERANGE) || !(v >= o->lo && v <= o->hi)) // NaN too
-        return out_of_range(u);
-    if (o->kind == GP_KIND_FLOAT)
-        *(float *) field = (float) v;
-    else if (o->kind == GP_KIND_REAL)
-        *(double *) field = v;
-    else if (o->kind == GP_KIND_INT)
-        *(int *) field = (int) n;
-    else
-        *(long long *) field = n;
-    return GP_OK;
-}
-
-/* Sets a factor from "2", "+3ev" or "auto". */
-static gp_status set_level(const struct use *u, void *field)
-{
-    const struct gp_option *const o = u->option;
-    const char *end = u->value;
-    double v = 0.0;
-    const bool given = strcmp(u->value, "auto") == 0;
-    const bool read = !given && read_double(&end, &v);
-    const bool ev = read && strcasecmp(end, "ev") == 0;
-    v = ev ? gp_exp2(v) : v;
-    if (!given && (!read || (*end && !ev) || !(v > 0.0 && v <= o->hi)))
-        return gp_fail(u->log, GP_ERR_USAGE, "--%s: not a level (found \"%s\"); "
-                       "give a factor over 0 and up to %g, EV such as +6ev, or "
-                       "auto", o->name, u->value, o->hi);
-    *(float *) field = (float) v;
-    return GP_OK;
-}
-
-/* Sets the threshold from "1", "99.9%" or "+3ev". */
-static gp_status set_threshold(const struct use *u, void *field)
-{
-    struct glarepp_sense_params *const p = field;
-    const char *end = u->value;
-    double v;
-    const bool read = read_double(&end, &v);
-    const bool ev = read && strcasecmp(end, "ev") == 0;
-    const bool percent = read && strcmp(end, "%") == 0;
-    if (!read || (*end && !ev && !percent))
-        return gp_fail(u->log, GP_ERR_USAGE, "--%s: not a threshold (found "
-                       "\"%s\"); give a luminance such as 1, a percentile such "
-                       "as 99.9%%, or +3ev", u->option->name, u->value);
-    if (!(v >= (ev ? -64.0 : 0.0) &&
-          v <= (ev ? 64.0 : percent ? 100.0 : (double) FLT_MAX))) // NaN too
-        return gp_fail(u->log, GP_ERR_USAGE, "--%s: out of range (found %s); "
-                       "give 0 or more, 0%% to 100%%, or -64ev to 64ev",
-                       u->option->name, u->value);
-    p->threshold = (float) v;
-    p->unit = ev ? GLAREPP_EV
-              : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
-    return GP_OK;
-}
-
-/* Sets numbers from "x,y,...". */
-static gp_status set_list(const struct use *u, void *field)
-{
-    const struct gp_option *const o = u->option;
-    struct gp_numbers list = {0};
-    const char *s = u->value;
-    char range[16] = "";
-    bool whole = false;
-    while (!whole && list.n < o->most && read_double(&s, &list.v[list.n])) {
-        list.n++;
-        whole = *s == '\0';
-        if (!whole && *s++ != ',')
-            break;
-    }
-    if (o->least < o->most)
-        snprintf(range, sizeof range, "%d to ", o->least);
-    if (!whole || list.n < o->least)
-        return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: not %s%d numbers (found \"%s\"); write %s",
-                       o->name, range, o->most, u->value, o->arg);
-    for (int i = 0; i < list.n; i++) {
-        if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
-            return out_of_range(u);
-    }
-    memcpy(field, &list, sizeof list);
-    return GP_OK;
-}
 
 /* Fails with the nearest value, else with all; with `file`, for a word that may
  * be a file's name, only when one is near, as builtin:star is to "star". */
@@ -242,8 +126,11 @@ static gp_status set_text(const struct use *u, void *field)
 }
 
 /* Sets the option by its kind. */
-static gp_status set_value(const struct use *u, void *field)
+static gp_status set_value(const struct use *u, struct gp_settings *s)
 {
+    void *const field = (char *) s + u->option->at;
+    struct gp_quantity q;
+    gp_status st;
     switch (u->option->kind) {
     case GP_KIND_FLAG:
         *(bool *) field = !u->option->off;
@@ -255,13 +142,17 @@ static gp_status set_value(const struct use *u, void *field)
     case GP_KIND_REAL:
     case GP_KIND_INT:
     case GP_KIND_COUNT:
-        return set_number(u, field);
     case GP_KIND_LEVEL:
-        return set_level(u, field);
     case GP_KIND_THRESHOLD:
-        return set_threshold(u, field);
+    case GP_KIND_SIZE:
     case GP_KIND_NUMBERS:
-        return set_list(u, field);
+        gp_keys_drop(s, u->option);
+        if (gp_keys_are(u->value))
+            return gp_keys_read(u->log, u->option, u->value, s);
+        st = gp_quantity_read(u->log, u->option, u->value, &q);
+        if (!st)
+            gp_quantity_set(u->option, &q, s);
+        return st;
     case GP_KIND_CHOICE:
     case GP_KIND_EITHER:
     case GP_KIND_NAMED:
@@ -317,9 +208,10 @@ static const struct gp_option *split_word(const char *word, unsigned command,
     return gp_option_find(name, length);
 }
 
-/* Reads the option at argv[*i] and moves *i to its last word. */
-static gp_status read_option(const struct gp_log *log, int argc,
-                             char *const argv[], int *i, struct gp_settings *s)
+/* Finds the option at argv[*i] and its value, and moves *i to its last word. */
+static gp_status find_use(const struct gp_log *log, int argc,
+                          const char *const argv[], int *i,
+                          const struct gp_settings *s, struct use *out)
 {
     const char *const word = argv[*i], *of_next;
     struct use u = {.log = log};
@@ -372,14 +264,79 @@ static gp_status read_option(const struct gp_log *log, int argc,
                            "option %s); write %s %s", word, next, word, arg);
         u.value = next;
     }
-    void *const field = (char *) s + u.option->at;
-    if (u.option->once && gp_option_given(s, name))
-        return gp_fail(log, GP_ERR_USAGE, "--%s: given twice (found %s and "
-                       "%s); give one file", name, *(const char **) field,
-                       u.value);
+    *out = u;
+    return GP_OK;
+}
+
+static gp_status take_use(const struct use *u, struct gp_settings *s)
+{
+    const char *const name = u->option->name;
+    const void *const field = (const char *) s + u->option->at;
+    if (u->option->once && gp_option_given(s, name))
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: given twice (found %s and "
+                       "%s); give one file",
+                       name, *(const char *const *) field, u->value);
     s->words.options.at[s->words.options.n++] = name;
-    s->words.options.at[s->words.options.n++] = u.value;
-    return set_value(&u, field);
+    s->words.options.at[s->words.options.n++] = u->value;
+    return set_value(u, s);
+}
+
+/* True when one of the first n words of the options given sets that field. */
+static bool is_set(const struct gp_settings *s, int n, size_t at)
+{
+    for (int i = 0; i < n; i += 2) {
+        const char *const name = s->words.options.at[i];
+        if (gp_option_find(name, strlen(name))->at == at)
+            return true;
+    }
+    return false;
+}
+
+/* Sets the options of a file of settings whose fields nothing sets yet. */
+static gp_status read_settings(const struct gp_log *log, const char *path,
+                               struct gp_settings *s)
+{
+    struct gp_words *w;
+    const int before = s->words.options.n;
+    gp_status st = gp_words_read(log, path, &w);
+    if (st)
+        return st;
+    w->next = s->words.read;
+    s->words.read = w;
+    for (int i = 0; i < w->n && !st; i++) {
+        struct gp_place place;
+        const struct gp_log there = gp_place_log(&place, log, path, w->line[i]);
+        const char *const word = w->word[i];
+        struct use u;
+        if (word[0] != '-' || !word[1])
+            return gp_fail(&there, GP_ERR_DATA,
+                           "%s: not an option; write "
+                           "--NAME VALUE, and inputs on the command line",
+                           word);
+        st = find_use(&there, w->n, w->word, &i, s, &u);
+        if (!st && !gp_option_makes_pixels(u.option))
+            st = gp_fail(&there, GP_ERR_USAGE,
+                         "--%s: not a setting, as no "
+                         "pixel depends on it; give it on the command line",
+                         u.option->name);
+        if (st || is_set(s, before, u.option->at))
+            continue;
+        st = gp_words_file(&there, u.option, &u.value, w);
+        st = st ? st : take_use(&u, s);
+    }
+    return st == GP_ERR_USAGE ? GP_ERR_DATA
+                              : st; // it is the file that is wrong
+}
+
+/* Reads the option at argv[*i] and moves *i to its last word. */
+static gp_status read_option(const struct gp_log *log, int argc,
+                             char *const argv[], int *i, struct gp_settings *s)
+{
+    struct use u;
+    const gp_status st =
+        find_use(log, argc, (const char *const *) argv, i, s, &u);
+    return st ? st : take_use(&u, s);
 }
 
 /* Sets the options of the style that the command has and that are not given. */
@@ -391,7 +348,7 @@ static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
         const struct use u = {log, gp_option_find(word[0], strlen(word[0])),
                               word[1]};
         if ((u.option->commands & s->command) && !gp_option_given(s, word[0]))
-            st = set_value(&u, (char *) s + u.option->at);
+            st = set_value(&u, s);
     }
     return st;
 }
@@ -406,12 +363,15 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     out->words.argv = argv;
     out->words.argc = argc;
     struct gp_texts *const lists[] = {
-        &out->input.files, &out->output.pictures, &out->output.hdr,
-        &out->output.layer, &out->output.parts, &out->input.light_groups, &out->kernel.words,
-        &out->sun.relight, &out->tone.context, &out->words.options,
+        &out->input.files,    &out->output.pictures,    &out->output.hdr,
+        &out->output.layer,   &out->output.parts,       &out->kernel.words,
+        &out->sun.relight,    &out->tone.context,       &out->words.options,
+        &out->input.light_groups, &out->words.settings,
     };
     enum { LISTS = sizeof lists / sizeof *lists };
-    const size_t room = 2 * (size_t) argc + GP_STYLE_WORDS;
+    size_t room = 2 * (size_t) argc + GP_STYLE_WORDS;
+    for (int k = 1; k < argc; k++) // (a value may look like it)
+        room += strncmp(argv[k], "--settings", 10) == 0 ? 2 * GP_WORDS : 0;
     st = gp_alloc(log, "command line", LISTS * room, sizeof *out->words.all,
                   &out->words.all);
     for (size_t k = 0; k < LISTS && !st; k++)
@@ -449,6 +409,8 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
         else
             out->input.files.at[out->input.files.n++] = word;
     }
+    for (int k = out->words.settings.n - 1; k >= 0 && !st; k--)
+        st = read_settings(log, out->words.settings.at[k], out);
     // each option is two words
     out->words.list_flares = out->command == GP_COMMAND_MAIN &&
                              out->input.files.n == 0 &&

@@ -50,6 +50,7 @@ struct pipeline {
     pthread_mutex_t lock;            // of all below
     pthread_cond_t changed;
     struct unit *unit;               // one a slot, owned; unit u has u % slots
+    struct gp_own_plan *ended;       // of frames that are; owned
     int next_compute, next_read;
     int limit;                       // units from here on get no further phase
     gp_status result;                // of the unit that ended the run
@@ -211,10 +212,16 @@ static gp_status run_phase(struct pipeline *p, int unit, enum gp_phase phase)
 
 // -- the end of a unit -------------------------------------------------------
 
-static void free_unit(struct unit *u)
+static void free_unit(struct pipeline *p, struct unit *u)
 {
-    while (u->begun > 0)
-        gp_frame_state_end(&u->view[--u->begun]);
+    while (u->begun > 0) {
+        struct gp_own_plan *const own = u->view[--u->begun].own;
+        gp_frame_state_end(&u->view[u->begun]);
+        if (own) {
+            own->next = p->ended;
+            p->ended = own;
+        }
+    }
     gp_frame_log_close(&u->log);
     u->kept = false;
     u->bytes = 0;
@@ -272,7 +279,7 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
             p->has_lights = true;
         }
     }
-    free_unit(u);
+    free_unit(p, u);
     return st && !skipped ? st : reported;
 }
 
@@ -286,13 +293,15 @@ enum { FLIGHT = 3 }; // one is read, one computed, one written
 enum { SHARED = 2 };
 
 /* True when one more unit may start beside `in_flight` others: all of them and
- * what they share take half of the memory at most, each as much as the largest
- * so far. The first is read by itself, as nothing is known before. */
+ * what they share, or with keys each has, take half of the memory at most, each
+ * as much as the largest so far. The first is read by itself, as nothing is known
+ * before. */
 static bool has_room(const struct pipeline *p, int in_flight)
 {
+    const int shared = p->run.s->keyeds ? SHARED * (in_flight + 1) : SHARED;
     return in_flight == 0 || p->run.s->run.frame_jobs || p->memory == 0 ||
-           (p->largest > 0 && p->largest < p->memory / 2 /
-                                  (size_t) (in_flight + 1 + SHARED));
+           (p->largest > 0 &&
+            p->largest < p->memory / 2 / (size_t) (in_flight + 1 + shared));
 }
 
 /* Chooses the next phase of a thread; false when there is none. Writing comes
@@ -348,6 +357,14 @@ static void run_phases(struct pipeline *p, bool first_thread)
     enum gp_phase phase;
     pthread_mutex_lock(&p->lock);
     while (!is_over(p)) {
+        struct gp_own_plan *ended = first_thread ? p->ended : NULL;
+        if (ended) {
+            p->ended = NULL;
+            pthread_mutex_unlock(&p->lock);
+            gp_own_plans_end(&ended);
+            pthread_mutex_lock(&p->lock);
+            continue;
+        }
         if (!pick_phase(p, first_thread, &unit, &phase)) {
             glarepp_leave(p->gp); // another may work while this one waits
             pthread_cond_wait(&p->changed, &p->lock);
@@ -412,11 +429,20 @@ static gp_status run_units(struct pipeline *p)
 // -- all frames --------------------------------------------------------------
 
 /* Makes what all frames share, so that errors of it come before any frame. */
-static gp_status begin_run(const struct gp_log *log, struct glarepp *gp,
-                           struct gp_run *r)
+static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
+    struct glarepp *const gp = r->gp;
     struct glarepp_plan_params plan = r->s->plan;
+    int frame;
     gp_status st;
+    for (int i = 0; i < r->jobs->n && r->s->keyeds; i++) {
+        if (!gp_job_number(&r->jobs->job[i], &frame))
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: no frame number in this "
+                           "input (--%s has keys); add one to its name, or "
+                           "give one value",
+                           r->jobs->job[i].input, r->s->keyed[0].option->name);
+    }
     for (int i = 0; i < r->jobs->targets; i++)
         r->ordered = r->ordered ||
                      gp_file_descriptor(r->jobs->target[i].name.path) >= 0;
@@ -449,17 +475,26 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     const int most = s->run.frame_jobs ? s->run.frame_jobs
                      : gp_threads() > 1 ? FLIGHT : 1;
     struct pipeline p = {
-        .log = log, .gp = gp, .progress = progress,
-        .run = {.s = s, .jobs = jobs,
+        .log = log,
+        .gp = gp,
+        .progress = progress,
+        .run = {.s = s,
+                .jobs = jobs,
+                .gp = gp,
                 .report = jobs->taker ? jobs->taker->report : &own,
-                .details = person || s->run.level >= GP_LEVEL_INFO ||
-                           s->run.report},
-        .units = units, .slots = most < units ? most : units > 0 ? units : 1,
-        .memory = gp_memory_limit(""), .limit = INT_MAX,
-        .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
+                .details =
+                    person || s->run.level >= GP_LEVEL_INFO || s->run.report},
+        .units = units,
+        .slots = most < units ? most
+                 : units > 0  ? units
+                              : 1,
+        .memory = gp_memory_limit(""),
+        .limit = INT_MAX,
+        .lock = PTHREAD_MUTEX_INITIALIZER,
+        .changed = PTHREAD_COND_INITIALIZER,
     };
     make_schedule(&p);
-    GP_TRY(begin_run(log, gp, &p.run));
+    GP_TRY(begin_run(log, &p.run));
     GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) p.slots,
                          sizeof *p.unit, &p.unit));
     for (int i = 0; i < p.slots; i++)
@@ -490,10 +525,11 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &own);
     for (int i = 0; p.unit && i < p.slots; i++) {
-        free_unit(&p.unit[i]);
+        free_unit(&p, &p.unit[i]);
         gp_free(p.unit[i].view);
     }
     gp_free(p.unit);
+    gp_own_plans_end(&p.ended);
     glarepp_plan_end(&p.run.plan);
     glarepp_kernel_end(&p.run.kernel);
     return st ? st : closed;

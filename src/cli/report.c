@@ -44,93 +44,6 @@ void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *lin
 
 // -- the settings that made a picture -----------------------------------------
 
-/* True when pixels of an output may depend on the option. */
-static bool makes_pixels(const struct gp_option *o)
-{
-    return o->pixels ||
-           (!o->aside && o->group != GP_GROUP_OUTPUT &&
-            o->group != GP_GROUP_REPORT && o->group != GP_GROUP_GENERAL);
-}
-
-static const char *base_name(const char *path)
-{
-    const char *const slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
-}
-
-/* Prints the first n bytes of `head`, then `word`, quoted for a shell. */
-static void print_word(FILE *f, const char *head, size_t n, const char *word)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyz"
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
-    const bool bare = n + strlen(word) > 0 && strspn(head, plain) >= n &&
-                      !word[strspn(word, plain)];
-    fputs(bare ? " " : " '", f);
-    for (size_t i = 0; i < n || *word; i++) {
-        const char c = i < n ? head[i] : *word++;
-        if (c == '\'')
-            fputs("'\\''", f);
-        else
-            fputc(c, f);
-    }
-    if (!bare)
-        fputc('\'', f);
-}
-
-/* Prints an option's value without folders of this machine. */
-static void print_value(FILE *f, const struct gp_settings *s,
-                        const struct gp_option *o, const char *value)
-{
-    const bool config = strcmp(o->arg, "CONFIG") == 0;
-    const char *const is = strchr(value, '=');
-    const char *const file = strstr(value, "file="); // of a kernel's recipe
-    if (config)
-        value = s->tone.map.config; // of env, too
-    if (file && o->kind == GP_KIND_TEXTS && !gp_kernel_is_file(value))
-        print_word(f, value, (size_t) (file + 5 - value), base_name(file + 5));
-    else if ((config || strstr(o->arg, "FILE")) && !strstr(value, "://"))
-        print_word(f, "", 0, base_name(value));
-    else if (is && is[1] == '/') // NAME=/some/folder/file
-        print_word(f, value, (size_t) (is + 1 - value), base_name(value));
-    else
-        print_word(f, "", 0, value);
-}
-
-gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
-    const char *const *input, int inputs, char **out)
-{
-    char *text = NULL;
-    size_t size;
-    FILE *const f = open_memstream(&text, &size);
-    *out = NULL;
-    if (!f)
-        return gp_no_memory_bare(log, "command line");
-    const char *const word = gp_command_of(s->command)->word;
-    fprintf(f, "glarepp%s%s", *word ? " " : "", word);
-    for (int i = 0; i + 1 < s->words.options.n; i += 2) {
-        const char *const name = s->words.options.at[i];
-        const char *const value = s->words.options.at[i + 1];
-        const struct gp_option *const o = gp_option_find(name, strlen(name));
-        if (!makes_pixels(o))
-            continue;
-        fprintf(f, " --%s", name);
-        if (value)
-            print_value(f, s, o, value);
-    }
-    for (int i = 0; i < inputs; i++)
-        print_word(f, "", 0, base_name(input[i]));
-    const bool full = ferror(f);
-    // (glibc's fclose() succeeds even when the last block cannot be allocated)
-    const bool whole = fclose(f) == 0 && !full && text;
-    if (whole) // control characters would break listings of the file
-        gp_make_printable(text);
-    json_t *const clean = whole ? gp_json_name(text) : NULL;
-    free(text);
-    *out = clean ? strdup(json_string_value(clean)) : NULL;
-    json_decref(clean);
-    return *out ? GP_OK : gp_no_memory_bare(log, "command line");
-}
-
 json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
 {
     const void *const at = (const char *) s + o->at;
@@ -158,6 +71,11 @@ json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
                      ? "%.7g%%" : "%.7g", (double) s->light.sense.threshold);
         return s->light.sense.unit == GLAREPP_LUMINANCE
                    ? json_real(strtod(text, NULL)) : json_string(text);
+    case GP_KIND_SIZE:
+        snprintf(text, sizeof text, "%.7gdeg", s->kernel.p.degrees);
+        return s->kernel.p.degrees > 0.0      ? json_string(text)
+               : s->kernel.p.percent != 100.0 ? json_real(s->kernel.p.percent)
+                                              : NULL;
     case GP_KIND_INT:
         return json_integer(*(const int *) at);
     case GP_KIND_COUNT:
@@ -197,7 +115,7 @@ static json_t *settings_json(const struct gp_settings *s)
     json_t *const all = json_object();
     for (const struct gp_option *o = gp_options; o->name; o++) {
         char key[32];
-        if (!(o->commands & s->command) || !makes_pixels(o) ||
+        if (!(o->commands & s->command) || !gp_option_makes_pixels(o) ||
             (o->needs & unmet) ||
             (o->group == GP_GROUP_SUN && !gp_option_given(s, o->name) &&
              !gp_lights_wanted(s)))

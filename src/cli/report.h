@@ -150,7 +150,10 @@ void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f);
 struct gp_tally {
     int made;                    // jobs
     long long fewest, most;      // sources
-    struct glarepp_sense_facts light; // sums of light, bright, lamps
+    struct gp_light_sums {
+        double light, spread; // of the frames; by the layer
+        double moved, added;  // by the layer with its gain
+    } sums;
     double fov;                  // of the last, degrees
     const char *fov_from;        // NULL: no kernel has an angle of view
     const struct glarepp_plan_facts *ocio; // borrowed; NULL: tone curves

@@ -45,26 +45,33 @@ static struct number percent_text(double part, double whole)
 
 // -- parts of lines ----------------------------------------------------------
 
-/* Adds where a frame's light went; not `lit`: only the layer is written. */
-static void add_light(FILE *w, const struct gp_settings *s, bool lit,
-                      const struct glarepp_sense_facts *spread)
+/* Returns where a frame's light went. */
+static struct gp_light_sums sums_of(const struct gp_settings *s,
+                                    const struct glarepp_sense_facts *sense)
 {
     const double gain = (double) s->light.layer.gain;
     const bool scatter = s->light.layer.mix == GLAREPP_SCATTER;
-    const double moved = scatter ? fmin(gain, 1.0) * spread->bright : 0.0;
-    const double added = gain * (spread->bright + spread->lamps) - moved;
-    if (!(spread->light > 0.0))
+    const double spread = sense->bright + sense->lamps;
+    const double moved = scatter ? fmin(gain, 1.0) * sense->bright : 0.0;
+    return (struct gp_light_sums) {sense->light, spread, moved,
+                                   gain * spread - moved};
+}
+
+/* Adds where light went; not `lit`: only the layer is written. */
+static void add_light(FILE *w, bool lit, const struct gp_light_sums *l)
+{
+    if (!(l->light > 0.0))
         return;
-    const bool adds = added > 1e-9 * moved; // (sums round)
-    const bool moves = moved > 0.0 || !adds;
+    const bool adds = l->added > 1e-9 * l->moved; // (sums round)
+    const bool moves = l->moved > 0.0 || !adds;
     if (!lit)
         fprintf(w, ", %s of the light spread",
-            percent_text(spread->bright + spread->lamps, spread->light).text);
+                percent_text(l->spread, l->light).text);
     else if (moves)
         fprintf(w, ", %s of the light moved",
-                percent_text(moved, spread->light).text);
+                percent_text(l->moved, l->light).text);
     if (lit && adds)
-        fprintf(w, ", %s%s added", percent_text(added, spread->light).text,
+        fprintf(w, ", %s%s added", percent_text(l->added, l->light).text,
                 moves ? "" : " of the light");
 }
 
@@ -148,6 +155,7 @@ static bool is_lit(const struct gp_write_facts *f)
 static void say_light(FILE *w, const struct gp_frame_report *f)
 {
     const struct gp_settings *const s = f->job.settings;
+    const struct gp_light_sums sums = sums_of(s, &f->lib.sense);
     const long long n = f->lib.sense.sources;
     if (n)
         fprintf(w, n == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
@@ -164,7 +172,7 @@ static void say_light(FILE *w, const struct gp_frame_report *f)
     if (f->lib.sense.lamps > 0.0)
         fprintf(w, " and lights");
     if (n)
-        add_light(w, s, is_lit(&f->write), &f->lib.sense);
+        add_light(w, is_lit(&f->write), &sums);
     else
         fprintf(w, ": nothing glares");
 }
@@ -292,12 +300,14 @@ void gp_tally_add(struct gp_tally *t, const struct gp_frame_report *f)
 {
     const struct glarepp_sense_facts *const sense = &f->lib.sense;
     const struct glarepp_kernel_facts *const k = &f->lib.kernel;
+    const struct gp_light_sums sums = sums_of(f->job.settings, sense);
     const long long n = sense->sources;
     t->fewest = t->made && t->fewest < n ? t->fewest : n;
     t->most = t->most > n ? t->most : n;
-    t->light.light += sense->light;
-    t->light.bright += sense->bright;
-    t->light.lamps += sense->lamps;
+    t->sums.light += sums.light;
+    t->sums.spread += sums.spread;
+    t->sums.moved += sums.moved;
+    t->sums.added += sums.added;
     if (k->deg_per_pixel > 0.0) {
         t->fov = k->fov;
         t->fov_from = k->fov_from;
@@ -334,7 +344,7 @@ void gp_tally_print(FILE *w, const struct gp_tally *t,
     if (t->most == 0)
         fprintf(w, ": nothing glares");
     else
-        add_light(w, s, lit, &t->light);
+        add_light(w, lit, &t->sums);
     if (t->fov_from)
         fprintf(w, ", view of %.3g degrees (%s)", t->fov, origin(t->fov_from));
     fprintf(w, ", ");

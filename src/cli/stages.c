@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/stages.h"
 
+#include "cli/keys.h"
 #include "cli/listener.h"
+#include "cli/words.h"
 #include "core/memory.h"
 #include "io/grow.h"
 
@@ -11,6 +13,50 @@
 
 // -- the state of a frame ----------------------------------------------------
 
+/* Makes the plan of a frame's own numbers. */
+static gp_status make_own_plan(const struct gp_log *log, const struct gp_run *r,
+                               struct gp_frame_state *fs)
+{
+    const struct glarepp_kernel_params *const k = &r->s->kernel.p;
+    struct gp_own_plan *own;
+    struct glarepp *const gp = r->gp;
+    int frame;
+    gp_status st = gp_alloc_zero(log, "plan", 1, sizeof *own, &own);
+    if (st)
+        return st;
+    fs->own = own;
+    (void) gp_job_number(fs->job, &frame); // (begin_run() has checked)
+    gp_settings_at(r->s, frame, &own->s);
+    fs->facts.job.settings = &own->s;
+    struct glarepp_plan_params plan = own->s.plan;
+    plan.kernel = r->kernel;
+    struct gp_place place; // (it knows no frame)
+    const struct gp_log there = gp_place_log(&place, log, fs->job->input, 0);
+    gp_hear_about(&there);
+    const struct glarepp_kernel_params *const mine = &own->s.kernel.p;
+    if (memcmp(mine->centre, k->centre, sizeof k->centre) != 0 ||
+        mine->percent != k->percent || mine->degrees != k->degrees) {
+        GP_TRY((gp_status) glarepp_kernel(gp, mine, &own->kernel));
+        plan.kernel = own->kernel;
+    }
+    GP_TRY((gp_status) glarepp_plan(gp, &plan, &own->plan));
+    fs->plan = own->plan;
+out:
+    gp_hear_about(NULL);
+    return st;
+}
+
+void gp_own_plans_end(struct gp_own_plan **list)
+{
+    while (*list) {
+        struct gp_own_plan *own = *list;
+        *list = own->next;
+        glarepp_plan_end(&own->plan);
+        glarepp_kernel_end(&own->kernel);
+        gp_free(own);
+    }
+}
+
 gp_status gp_frame_state_begin(const struct gp_log *log,
     const struct gp_run *r, int index, struct gp_frame_state *out)
 {
@@ -18,21 +64,30 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
     const size_t names = (size_t) r->jobs->targets + 1;
     const char *const input = job->input;
     *out = (struct gp_frame_state) {
-        .log = log, .job = job, .view = index % r->jobs->views,
-        .facts.job = {
-            .numbered = job->numbered, .frame = job->frame, .view = job->view,
-            .input = input, .style = r->s->light.style, .settings = r->s,
-            .views = r->jobs->views_line,
-        },
+        .log = log,
+        .job = job,
+        .view = index % r->jobs->views,
+        .plan = r->plan,
+        .facts.job =
+            {
+                .numbered = job->numbered,
+                .frame = job->frame,
+                .view = job->view,
+                .input = input,
+                .style = r->s->light.style,
+                .settings = r->s,
+                .views = r->jobs->views_line,
+            },
     };
     struct gp_write_facts *const w = &out->facts.write;
     struct gp_cost_facts *const cost = &out->facts.cost;
     for (int i = 0; i < GP_TIMES; i++)
         cost->ms[i] = cost->cpu_ms[i] = -1.0;
-    const gp_status st = gp_alloc_zero(log, "output list", names,
-                                       sizeof *w->file, &w->file);
-    return st ? st : gp_command_text(log, r->s, &input, 1,
-                                     &out->facts.job.command);
+    gp_status st =
+        gp_alloc_zero(log, "output list", names, sizeof *w->file, &w->file);
+    st = st ? st
+            : gp_command_text(log, r->s, &input, 1, &out->facts.job.command);
+    return st || !r->s->keyeds ? st : make_own_plan(log, r, out);
 }
 
 void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead)
@@ -105,14 +160,14 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     p.group = group;
     p.groups = fs->groups;
     p.groups_glare = !r->s->output.hdr.n;
-    p.last = fs->job - r->jobs->job == r->jobs->n - 1;
+    p.last = fs->own || fs->job - r->jobs->job == r->jobs->n - 1;
     p.layer_ends = r->layer_ends;
     p.details = r->details;
     p.parts = r->s->output.parts.n > 0;
     if (writes_floats(r, fs))
         p.noise = 2e-5f;
     p.user = (void *) (uintptr_t) fs->log;
-    st = (gp_status) glarepp_frame(r->plan, &p, &fs->frame);
+    st = (gp_status) glarepp_frame(fs->plan, &p, &fs->frame);
     gp_free(group);
     return st;
 }
@@ -363,7 +418,7 @@ static gp_status run_end(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_frame_report *const f = &fs->facts;
     f->lib = *glarepp_frame_facts(fs->frame);
     f->dark = f->lib.sense.sources == 0 && !gp_lights_wanted(r->s) &&
-              r->s->light.layer.gain > 0.0f &&
+              f->job.settings->light.layer.gain > 0.0f &&
               f->cost.ms[GP_TIME_SENSORS] >= 0.0;
     // of the layer with ghosts too, which is no darker than without them
     f->bounded = f->lib.sense.sources || f->lib.lens.name;

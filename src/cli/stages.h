@@ -43,10 +43,24 @@ struct gp_frame_state {
     struct gp_plane depth, mask, normal[3], albedo[3];
     struct glarepp_frame *frame;   // borrows the planes of all of these
     bool converted;                // its layers are in --output-space
+    struct glarepp_plan *plan;     // of its numbers; borrowed
+    struct gp_own_plan *own;       // of a run with keys, else NULL; the caller
+                                   // ends it after the frame
     struct gp_frame_report facts;
 };
 
-/* Starts with the facts that job `index` gives. End it also after a failure. */
+/* The settings of a frame with keys, and what is made of them. */
+struct gp_own_plan {
+    struct gp_settings s;          // borrows from the run's
+    struct glarepp_kernel *kernel; // where it differs; else NULL
+    struct glarepp_plan *plan;
+    struct gp_own_plan *next;
+};
+/* Ends a list of them, on the thread that computes: GL is of one thread. */
+void gp_own_plans_end(struct gp_own_plan **list);
+
+/* Starts with the facts that job `index` gives, and a plan of its own where
+ * options have keys. End it also after a failure. */
 struct gp_run;
 GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
     const struct gp_run *r, int index, struct gp_frame_state *out);
@@ -58,8 +72,9 @@ void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead);
 /* Data that is made once for all frames. The write stage changes only `raw`,
  * and only when `ordered`. */
 struct gp_run {
-    const struct gp_settings *s;
+    const struct gp_settings *s; // numbers with keys are in a frame's own
     const struct gp_jobs *jobs;
+    struct glarepp *gp;
     struct glarepp_kernel *kernel;
     struct glarepp_plan *plan;
     struct gp_report *report;

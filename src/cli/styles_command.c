@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 
 #include "cli/stages.h"
+#include "cli/words.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "io/file.h"

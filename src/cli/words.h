@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Options as words: the command that a picture keeps, and files of settings. */
+#ifndef GP_CLI_WORDS_H
+#define GP_CLI_WORDS_H
+
+#include "cli/options.h"
+
+/* A log that puts "FILE:LINE: ", or with line 0 "FILE: ", before each line. */
+struct gp_place {
+    const struct gp_log *to;
+    const char *path;
+    int line;
+};
+struct gp_log gp_place_log(struct gp_place *p, const struct gp_log *to,
+                           const char *path, int line);
+
+/* Reads the first `most` bytes of a regular file and ends them with a null byte.
+ *   size  of the file
+ * Errors: those of gp_load_regular(). */
+GP_MUST_CHECK gp_status gp_text_load(const struct gp_log *log, const char *path,
+                                     size_t most, char **out, uint64_t *size);
+
+/* The command line that makes the same picture of those inputs, from malloc:
+ * the given options that a pixel can depend on, then the inputs; quoted for a
+ * shell, in UTF-8, on one line, file names without their folders. */
+GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
+                                        const struct gp_settings *s,
+                                        const char *const *input, int inputs,
+                                        char **out);
+
+/* Writes these options to --save-settings, one a line, quoted for a shell, as
+ * they were given; leaves a file that exists with --no-clobber.
+ * Errors: GP_ERR_IO. */
+GP_MUST_CHECK gp_status gp_settings_save(const struct gp_log *log,
+                                         const struct gp_settings *s);
+
+enum { GP_WORDS = 1000 }; // most in a file
+
+/* Words of a file, and where they are from. */
+struct gp_words {
+    struct gp_words *next;
+    const char *path; // of the file; borrowed
+    char *text;       // holds the words; owned
+    const char *word[GP_WORDS];
+    int line[GP_WORDS];    // 0: the command of a picture
+    char *found[GP_WORDS]; // paths that replace words; owned
+    int n, founds;
+};
+
+/* Reads words as a shell does, without its expansions: blanks and ends of lines
+ * between them, '...', "..." and \; # begins a comment. Of a PNG or EXR the
+ * options of glarepp:command.
+ * Errors: GP_ERR_IO; GP_ERR_DATA no such file, a quote without its end, too many
+ * words. */
+GP_MUST_CHECK gp_status gp_words_read(const struct gp_log *log,
+                                      const char *path, struct gp_words **out);
+void gp_words_free(struct gp_words **list);
+
+/* Finds the file that the value of an option in *w names: beside the file of *w,
+ * else by its name as it is; *value then becomes a word of *w. Other values stay.
+ * Errors: GP_ERR_IO it is in neither folder. */
+GP_MUST_CHECK gp_status gp_words_file(const struct gp_log *log,
+                                      const struct gp_option *o,
+                                      const char **value, struct gp_words *w);
+
+#endif
