@@ -3,6 +3,7 @@
 #include "api/plan.h"
 
 #include "core/clock.h"
+#include "core/luminance.h"
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -163,6 +164,57 @@ gp_status gp_api_shares(struct glarepp_frame *f)
     if (!st && suns->gl)
         f->facts.shares_gl = gp_gl_info(suns->gl)->name;
     return st || !f->plan->lights ? st : note_shares(f);
+}
+
+/* Warns of a light that bright pixels at its own place hide: they are the light. */
+static void warn_of_hidden(struct glarepp_frame *f, const struct gp_light *l)
+{
+    const struct gp_image *const image = &f->image;
+    const struct gp_suns *const suns = &f->work->lights->suns;
+    const int x = (int) floor(l->x), y = (int) floor(l->y);
+    const struct gp_rect data = image->data;
+    if (l->behind || l->visibility > 0.0 || x < data.x0 || x >= data.x1 ||
+        y < data.y0 || y >= data.y1)
+        return;
+    const double depth = gp_occluders_at(&suns->occluders, x, y).place;
+    const size_t at = (size_t) (y - data.y0) * (size_t) gp_rect_w(data) +
+                      (size_t) (x - data.x0);
+    float own = 0.0f;
+    for (int c = 0; c < 3; c++)
+        own += image->luminance[c] * image->rgb.c[c][at];
+    if (own > f->sources.threshold && depth < l->depth &&
+        gp_api_says(f->plan, GP_SAID_HIDDEN))
+        gp_say_at(&f->log, GP_LEVEL_WARN, "lights.depth_there",
+                  "%s: the light %s at %.1f,%.1f is hidden by bright pixels at "
+                  "its own place (depth %.6g, the light's %.6g)", f->sink.name,
+                  l->name[0] ? l->name : "", l->x, l->y, depth, l->depth);
+}
+
+void gp_api_warn_of_lights(struct glarepp_frame *f)
+{
+    static const double MANY = 1000.0;
+    const struct gp_suns *const suns = &f->work->lights->suns;
+    double brightest = -1.0;
+    for (int i = 0; i < suns->placed; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        const double r = fmax(l->radius, 0.5);
+        double own = 0.0;
+        int at[2];
+        warn_of_hidden(f, l);
+        for (int c = 0; c < 3; c++)
+            own += (double) f->image.luminance[c] * (double) l->flux[c];
+        own /= M_PI * r * r;
+        if (!(own > 0.0) || l->behind || f->plan->sun.in_frame)
+            continue;
+        if (brightest < 0.0)
+            brightest = (double) gp_luminance_peak(&f->image, at);
+        if (own > MANY * brightest && brightest > 0.0 &&
+            gp_api_says(f->plan, GP_SAID_BRIGHT))
+            gp_say_at(&f->log, GP_LEVEL_WARN, "lights.flux",
+                      "%s: the light %s is %.0f times as bright as the brightest "
+                      "pixel (%.3g a pixel, %.3g)", f->sink.name,
+                      l->name[0] ? l->name : "", own / brightest, own, brightest);
+    }
 }
 
 /* Finds the lights that the frame shows. Those of the first frame become known. */

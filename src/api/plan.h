@@ -68,6 +68,8 @@ enum {
     GP_SAID_IMAGES = 2 << GP_KERNEL_RULES,
     GP_SAID_TIME = 4 << GP_KERNEL_RULES,
     GP_SAID_CAMERA = 8 << GP_KERNEL_RULES,
+    GP_SAID_HIDDEN = 16 << GP_KERNEL_RULES,
+    GP_SAID_BRIGHT = 32 << GP_KERNEL_RULES,
 };
 
 struct glarepp_plan {
@@ -196,6 +198,7 @@ gp_status gp_api_relight(struct glarepp_frame *f);
 gp_status gp_api_place(struct glarepp_frame *f);
 gp_status gp_api_shares(struct glarepp_frame *f);
 gp_status gp_api_spot(struct glarepp_frame *f);
+void gp_api_warn_of_lights(struct glarepp_frame *f);
 gp_status gp_api_flare(struct glarepp_frame *f);
 gp_status gp_api_lens(struct glarepp_frame *f);
 

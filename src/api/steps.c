@@ -128,6 +128,8 @@ static gp_status sense(struct glarepp_frame *f)
                         luminance_of(&f->image, src->flux);
     }
     const struct gp_api_lights *const lights = f->work ? f->work->lights : NULL;
+    if (lights && f->ran & 1u << GLAREPP_SHARES)
+        gp_api_warn_of_lights(f);
     return lights && gp_api_spots(f->plan, &lights->suns) ? gp_api_spot(f)
                                                           : GP_OK;
 }

@@ -74,7 +74,8 @@ static struct needs needs_of(const struct gp_settings *s)
         {!sun->at.n, "--sun already places the sun; leave one of the two out",
          "", ""},
         {sun->at.n || sun->dir.n || sun->p.cameras, "needs --sun, --sun-dir or "
-         "--camera; lights of --lights have flux of their own", "", ""},
+         "--camera; lights of --lights have flux of their own, those of "
+         "--scene by --light-scale", "", ""},
         {config, "needs --ocio; give --ocio CONFIG or --ocio env", "", ""},
         {!config, "--ocio replaces it; leave one of the two out", "", ""},
         {s->output.pictures.n || polygons, "needs a picture; give -o FILE", "",

@@ -54,6 +54,8 @@ static const struct hint hints[] = {
     HINT("lights.cameras", "give --camera FILE")
     HINT("lights.cameras.frame", "leave --camera out")
     HINT("lights.depth", "give --depth-type z")
+    HINT("lights.depth_there", "give \"depth\" in --lights, or --depth none")
+    HINT("lights.flux", "lower --sun-color, \"flux\" or --light-scale")
     HINT("lights.in_frame", "add --sun-in-frame")
     HINT("lights.method", "use --sun-method exact")
     HINT("lights.ndc", "give --camera FILE")
@@ -138,6 +140,8 @@ void gp_hear(void *user, const struct glarepp_message *m)
     const struct gp_listener *const l = user;
     const struct gp_log *const to = m->user ? m->user : about ? about : l->log;
     const struct kernel_words words = words_of(l->s, m->parameter);
+    if (gp_no_depth(l->s) && strcmp(m->parameter, "frame.coverage") == 0)
+        return; // that nothing hides the lights was asked for
     if (m->level == GLAREPP_ERROR)
         (void) (m->bare ? gp_fail_bare : gp_fail)(
             to, (gp_status) m->status, "%s%s%s", words.text, m->text,

@@ -306,7 +306,8 @@ const struct gp_option gp_options[] = {
     OPT(input.depth, .name = "depth", BOTH(SUN), .arg = "CH",
         .help = "Read depth from this channel, in any part; without it, from "
                 "the first of Z, depth.Z, Depth.Z, *.Depth.Z and *.Z, in the "
-                "layer of the colour first (B.Depth.Z with B.Combined)"),
+                "layer of the colour first (B.Depth.Z with B.Combined); none "
+                "reads no depth"),
     OPT(sun.depth_file, .name = "depth-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
         .help = "Read depth from this file (or pattern)"),

@@ -16,6 +16,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Values of --progress. AUTO draws on a terminal only. The last three print
  * lines for programs, on a terminal and in a pipe alike. */
@@ -363,6 +364,12 @@ bool gp_kernel_is_file(const char *word);
 /* True when a frame may have lights with a place: an option names one, a file or
  * a scene. */
 bool gp_lights_wanted(const struct gp_settings *s);
+
+/* True when --depth says that the frame's depth is not to be read. */
+static inline bool gp_no_depth(const struct gp_settings *s)
+{
+    return s->input.depth && strcmp(s->input.depth, "none") == 0;
+}
 
 /* Reads whole numbers of 0 to 99999 with these characters between them, and
  * nothing else: 1920x1080,255 with "x,". */

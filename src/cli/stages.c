@@ -180,7 +180,7 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
     struct gp_grow_params p = {
         .left = s->output.grow_pixels, .top = s->output.grow_pixels,
         .right = s->output.grow_pixels, .bottom = s->output.grow_pixels,
-        .depth = s->input.depth, .type = (enum gp_depth_type) s->sun.p.depth,
+        .depth = gp_no_depth(s) ? NULL : s->input.depth, .type = (enum gp_depth_type) s->sun.p.depth,
     };
     struct gp_rect window, before;
     gp_status st;
@@ -265,7 +265,7 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     gp_read_taken(&fs->file, &facts->taken);
     fs->facts.ocio = plan->config ? plan : NULL;
     GP_TRY(begin_frame(r, fs));
-    if (!gp_lights_wanted(r->s))
+    if (!gp_lights_wanted(r->s) && !gp_no_depth(r->s))
         st = name_depth(r, fs);
 out:
     return st;
@@ -294,7 +294,8 @@ static gp_status read_beside(const struct gp_settings *s,
 static gp_status read_depth(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
-    return fs->depth.v ? GP_OK
+    return fs->depth.v || gp_no_depth(s)
+                       ? GP_OK
                        : read_beside(s, fs, s->sun.depth_file, s->input.depth,
                                      true, &fs->depth);
 }

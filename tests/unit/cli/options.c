@@ -46,12 +46,15 @@ static int line_for(const struct gp_option *o, const char *value, char *line,
                         o->needs & GP_NEED_OWN_FRAMES    ? "bench"
                         : o->commands & GP_COMMAND_BENCH ? "bench i"
                                                          : "compare a b");
-    return snprintf(line, size, "-v -o a --hdr h i%s%s%s%s%s",
+    return snprintf(line, size, "-v -o a --hdr h i%s%s%s%s%s%s%s",
                     strcmp(value, "scene") == 0 ||
                         o->needs & (GP_NEED_SCENE | GP_NEED_RELIGHT)
                         ? " --scene s" : "",
                     o->needs & GP_NEED_RELIGHT ? " --relight l" : "",
                     o->needs & GP_NEED_LENS ? " --lens l" : "",
+                    o->needs & GP_NEED_FLARE ? " --flare f" : "",
+                    strcmp(o->name, "write-lights") == 0 ? " --lights auto"
+                                                         : "",
                     o->needs & GP_NEED_LIGHT || o->kind == GP_KIND_NAMED
                         ? " --sun 1,2 --sun-color 3" : "",
                     o->needs & GP_NEED_CONFIG       ? " --ocio c"
@@ -78,7 +81,8 @@ static void check_stored(const struct gp_option *o, const char *value,
     const bool stored =
         o->kind == GP_KIND_FLAG    ? *(const bool *) at == !o->off
         : o->kind == GP_KIND_SET   ? *(const int *) at == o->set
-        : o->kind == GP_KIND_FLOAT ? *(const float *) at == (float) v
+        : o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_LEVEL
+            ? *(const float *) at == (float) v
         : o->kind == GP_KIND_REAL  ? *(const double *) at == v
         : o->kind == GP_KIND_THRESHOLD
             ? ((const struct glarepp_sense_params *) at)->threshold == (float) v

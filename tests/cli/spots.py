@@ -1,0 +1,129 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Frames of lamps, and lights that were found in them against the truth.
+
+Usage: spots.py make        writes l.1001.pfm to l.1005.pfm and truth.json here:
+                            twelve even discs of radius 1.2 to 6 on a noisy
+                            ground, which move by 3 pixels a frame
+       spots.py check REPORT   prints, over all frames of a report, whether there
+                            is one light for each lamp and the names stay, then
+                            the largest errors: pixels, share of flux
+       spots.py data REPORT CAMERA   the same of lamps of a rendered frame, by its
+                            camera file
+       spots.py sum PARTS LAYER      the norm of LAYER less the sum of PARTS, two
+                            EXR files of floats, over that of LAYER
+"""
+import json
+import math
+import random
+import struct
+import sys
+
+W, H, LAMPS, FRAMES, SUB = 640, 360, 12, 5, 6
+
+
+def lamps(frame):
+    rng = random.Random(5)
+    for i in range(LAMPS):
+        r = 1.2 + 4.8 * i / (LAMPS - 1)
+        x = 60 + i % 4 * 150 + rng.uniform(0, 40) + 3 * frame
+        y = 50 + i // 4 * 120 + rng.uniform(0, 30) + 1.3 * frame
+        level = rng.uniform(20, 300)
+        yield x, y, r, [level * c for c in (1.0, 0.8, 0.5)]
+
+
+def coverage(x, y, r, px, py):
+    inside = 0
+    for j in range(SUB):
+        for i in range(SUB):
+            inside += math.hypot(px + (i + 0.5) / SUB - x,
+                                 py + (j + 0.5) / SUB - y) <= r
+    return inside / SUB ** 2
+
+
+def make():
+    truth = []
+    for frame in range(FRAMES):
+        rng = random.Random(frame)
+        image = [max(0.0, rng.gauss(0.2, 0.05)) for _ in range(3 * W * H)]
+        own = []
+        for x, y, r, colour in lamps(frame):
+            area = 0.0
+            for py in range(int(y - r) - 1, int(y + r) + 2):
+                for px in range(int(x - r) - 1, int(x + r) + 2):
+                    share = coverage(x, y, r, px, py)
+                    area += share
+                    for c in range(3):
+                        image[3 * ((H - 1 - py) * W + px) + c] += share * colour[c]
+            own.append([x, y, [area * c for c in colour]])
+        truth.append(own)
+        with open(f"l.{1001 + frame}.pfm", "wb") as f:
+            f.write(b"PF\n%d %d\n-1.0\n" % (W, H))
+            f.write(struct.pack("<%df" % len(image), *image))
+    with open("truth.json", "w", encoding="utf-8") as f:
+        json.dump(truth, f)
+
+
+def nearest(lights, x, y):
+    return min(lights, key=lambda l: math.hypot(l["x"] - x, l["y"] - y))
+
+
+def compare(rows, truth, only=False):
+    names, away, flux, single = [], 0.0, 0.0, True
+    for row, own in zip(rows, truth):
+        lights = row["lights"]
+        found = [nearest(lights, x, y) for x, y, _ in own]
+        single &= len({l["name"] for l in found}) == len(own)
+        single &= only or len(lights) == len(own)
+        names.append([l["name"] for l in found])
+        for l, (x, y, light) in zip(found, own):
+            away = max(away, math.hypot(l["x"] - x, l["y"] - y))
+            flux = max(flux, max(abs(l["flux"][c] / light[c] - 1)
+                                 for c in range(3) if light[c]))
+    print(single and all(n == names[0] for n in names), f"{away:.3f}", f"{flux:.4f}")
+
+
+def rendered(camera):
+    """Lamps in view of a frame that shine in all directions: the balls' flux."""
+    with open(camera, encoding="utf-8") as f:
+        file = json.load(f)
+    lamp = {l["name"]: l for l in file["lamps"]}
+    m = file["frames"][2]["worldToNDC_blender_colvec"]
+    focal = abs(m[0]) * file["width"] / 2
+    for seen in file["frames"][2]["lamps"]:
+        own, (x, y, depth) = lamp[seen["name"]], seen["pixel_xy_depth"]
+        if (seen["on_screen"] != "on" or seen["visible_share"] < 1 or
+                own["type"] != "point"):
+            continue
+        # solid angle of the ball over that of a pixel at its place
+        angle = 2 * math.pi * (1 - math.sqrt(
+            1 - (own["ball_radius_m"] / seen["distance_m"]) ** 2))
+        area = angle * focal ** 2 * (seen["distance_m"] / depth) ** 3
+        yield [x, y, [own["ball_radiance"] * area * c for c in own["color"]]]
+
+
+def main():
+    if sys.argv[1] == "make":
+        make()
+        return
+    if sys.argv[1] == "sum":
+        import numpy as np
+        import OpenImageIO as oiio
+        parts, layer = oiio.ImageBuf(sys.argv[2]), oiio.ImageBuf(sys.argv[3])
+        names, own = parts.spec().channelnames, parts.get_pixels(oiio.FLOAT)
+        whole = layer.get_pixels(oiio.FLOAT).astype(float)
+        total = sum(np.stack([own[:, :, names.index(f"{p}.{c}")] for c in "RGB"],
+                             -1).astype(float)
+                    for p in ("veil", "core", "flare", "ghosts"))
+        print(np.linalg.norm(total - whole) / np.linalg.norm(whole))
+        return
+    with open(sys.argv[2], encoding="utf-8") as f:
+        rows = [json.loads(line) for line in f]
+    if sys.argv[1] == "data":
+        compare(rows, [list(rendered(sys.argv[3]))], True)
+        return
+    with open("truth.json", encoding="utf-8") as f:
+        compare(rows, json.load(f))
+
+
+main()

@@ -1,0 +1,168 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Lights that the frame shows, levels of flares and ghosts, parts of the layer.
+. "$(dirname "$0")/lib.sh"
+need_python
+
+# says WANTED DESCRIPTION ARGUMENT...: what spots.py prints, by a test in Python
+says()
+{
+    wanted=$1 about=$2
+    shift 2
+    "$python" "$cli/spots.py" "$@" >said 2>err
+    ok "$about" "$python" -c "
+a, b, c = open('said').read().split()
+raise SystemExit(not ($wanted))" || note "$(cat said err)"
+}
+close='a == "True" and float(b) <= .3 and float(c) <= .05'
+
+# -- lights that are found ------------------------------------------------------
+
+"$python" "$cli/spots.py" make
+run --lights auto --write-lights found.json --report r.json --frame-jobs 1 \
+    'l.####.pfm'
+status_is 0 'twelve lamps in five frames'
+says "$close" 'each is found, alone, under its name, .3 pixels and 5 % away' \
+    check r.json
+run --lights auto --report jobs.json --frame-jobs 4 'l.####.pfm'
+lights='[l for l in o["lights"]]'
+is "$(field jobs.json "$lights")" "$(field r.json "$lights")" \
+    'the same with four frames in flight'
+run --lights found.json --report alone.json l.1005.pfm
+is "$(field alone.json "$lights")" "$("$python" -c "
+import json
+print(json.loads(open('r.json').read().splitlines()[4])['lights'])")" \
+    'a lone frame has the names of the file'
+is "$(field alone.json 'o["lights"][0]["found"]')" True 'the report says found'
+run --lights auto:3 --report three.json l.1001.pfm
+is "$(field three.json 'len(o["lights"])')" 3 'the three brightest'
+printf '{"lights": [{"name": "mine", "found": [%s], "flux": [%s]}]}' \
+    "$(field r.json 'str([o["lights"][5][k] for k in "xy"])[1:-1]')" \
+    "$(field r.json 'str(o["lights"][5]["flux"])[1:-1]')" >mine.json
+run --lights mine.json --report mine-r.json l.1003.pfm
+is "$(field mine-r.json '[l["name"] for l in o["lights"]]')" "['mine']" \
+    'a file names one of them'
+run --sun "$(field r.json '"%.1f,%.1f,6" % (o["lights"][0]["x"], o["lights"][0]["y"])')" \
+    --lights auto --report sun.json l.1001.pfm
+is "$(field sun.json '[len(o["lights"]), o["lights"][0]["name"], min(abs(l["x"] - o["lights"][0]["x"]) + abs(l["y"] - o["lights"][0]["y"]) for l in o["lights"][1:]) > 20]')" \
+    "[12, 'sun', True]" 'one with a place is not found again'
+
+# a lamp that dims: its flux is its light, fades from 1.5 T, and is gone at T
+"$python" - <<'END'
+import struct
+for i, v in enumerate((3, 1.4, 1.1, 1.01, 0.99)):
+    px = [0.0] * (3 * 64 * 64)
+    for y in range(30, 34):
+        for x in range(30, 34):
+            px[3 * (64 * y + x):][:3] = []
+            px[3 * (64 * y + x):3 * (64 * y + x) + 3] = [v] * 3
+    open("d.%d.pfm" % (i + 1), "wb").write(
+        b"PF\n64 64\n-1.0\n" + struct.pack("<%df" % len(px), *px))
+END
+run --lights auto --report dim.json 'd.#.pfm'
+ok 'a lamp that dims fades' "$python" -c "
+import json
+f = [(json.loads(l).get('lights') or [{'flux': [0]}])[0]['flux'][0] / 16
+     for l in open('dim.json')]
+raise SystemExit(not (abs(f[0] - 3) < 1e-5 and 1.2 < f[1] < 1.4 and
+                      0.05 < f[2] < 0.2 and 0 < f[3] < .01 and f[4] == 0))" ||
+    note "$(cat dim.json | cut -c1-300)"
+
+if [ -n "$data" ]; then
+    run --lights auto --report s.json "$data/scenes/street.1003.exr"
+    says "$(echo "$close" | sed 's/\.3/1/')" 'lamps of a rendered street' \
+        data s.json "$data/scenes/street.camera.json"
+else
+    skip 1 "$no_data"
+fi
+
+# -- a lone frame ----------------------------------------------------------------
+
+# (gain 0.5 and twice the level are the same light)
+for what in '--flare preset:zoom' '--flare preset:anamorphic' \
+    '--flare preset:vintage' '--flare preset:lamps' '--flare preset:veil' \
+    '--flare preset:oval' '--lens heliar' '--lens tessar' '--lens telephoto' \
+    '--lens double-gauss'; do
+    name=${what#* }
+    level=--flare-gain key=flare
+    case $what in --lens*) level=--lens-gain key=lens ;; esac
+    # shellcheck disable=SC2086
+    run $what $level auto --report f.json --parts p.exr --layer y.exr \
+        --type float "$root/tests/frames/night.1001.exr"
+    status_is 0 "$name on a lone frame"
+    ok "$name: its gain is in the report" [ \
+        "$(field f.json "o['$key']['gain'] > 0")" = True ]
+    if [ -n "$oiio" ]; then
+        ok "$name: parts add up to the layer" "$python" -c "
+import subprocess, sys
+e = float(subprocess.check_output([sys.executable, '$cli/spots.py', 'sum',
+                                   'p.exr', 'y.exr']))
+raise SystemExit(not e <= 1e-6)"
+        # shellcheck disable=SC2086
+        run $what $level auto -o with.png "$root/tests/frames/night.1001.exr"
+        run -o without.png "$root/tests/frames/night.1001.exr"
+        ok "$name: it is seen: over .04 of white" "$python" -c "
+import OpenImageIO as oiio, numpy as np
+a, b = [oiio.ImageBuf(f).get_pixels(oiio.FLOAT) for f in ('with.png', 'without.png')]
+raise SystemExit(not np.abs(a - b).max() > .04)"
+    else
+        skip 2 'no numpy and OpenImageIO'
+    fi
+done
+
+night=$root/tests/frames/night.1001.exr
+run --flare preset:zoom --report a.json --layer a.exr --type float \
+    --no-provenance "$night"
+run --flare preset:zoom --flare-gain +1ev --parts b.exr --layer b1.exr \
+    --report b.json --type float "$night"
+run --flare preset:zoom --flare-gain 1 --layer c.exr --type float \
+    --no-provenance "$night"
+is "$(field b.json 'o["flare"]["gain"]')" 2.0 'a level in EV'
+same a.exr c.exr 'a level of 1 changes no byte'
+if [ -n "$oiio" ]; then
+    ok 'a level of 2 adds the flare once more' "$python" -c "
+import OpenImageIO as oiio, numpy as np
+a, b = [oiio.ImageBuf(f).get_pixels(oiio.FLOAT) for f in ('a.exr', 'b1.exr')]
+p = oiio.ImageBuf('b.exr'); n = p.spec().channelnames
+f = p.get_pixels(oiio.FLOAT)[:, :, [n.index('flare.' + c) for c in 'RGB']]
+raise SystemExit(not np.abs(b - a - f / 2).max() <= 1e-5 * np.abs(b).max())"
+else
+    skip 1 'no numpy and OpenImageIO'
+fi
+
+# refuses OPTION DESCRIPTION ARGUMENT...
+refuses()
+{
+    name=$1 about=$2
+    shift 2
+    run -o a.png "$@" l.1001.pfm
+    fails_with 2 "$name" "$about"
+}
+
+# -- words -----------------------------------------------------------------------
+
+refuses --lights 'no number of lights' --lights auto:0
+refuses --lights 'too many lights' --lights auto:257
+refuses --write-lights 'nothing to write' --write-lights x.json
+refuses --flare-gain 'no flare' --flare-gain 2
+refuses --lens-gain 'no lens' --lens-gain 2
+refuses --flare-gain 'a level of 0' --flare preset:zoom --flare-gain 0
+printf '{"lights": [{"found": [1, 2]}]}' >noname.json
+run --lights noname.json -o a.png l.1001.pfm
+fails_with 4 '"name"' 'a place that was found has a name'
+run --lights auto --write-lights none.json -t 1e6 -o a.png l.1001.pfm
+like "$(cat err)" '*none.json: not written*' 'no light, no file'
+ok 'and none is there' [ ! -e none.json ]
+
+# a lamp whose own pixels are nearer than the place that it is given
+frame near.exr channels=R,G,B,Z:float kind=dark hot=500
+run --sun 32.5,24.5,1 --sun-color 100 -o a.png near.exr
+like "$(cat err)" '*hidden by bright pixels at its own place (depth *--depth none*' \
+    'a light that its own pixels hide'
+run --sun 32.5,24.5,1 --sun-color 100 --depth none --report n.json -o a.png near.exr
+is "$(cat err)" '' '--depth none says nothing'
+is "$(field n.json 'o["lights"][0]["visibility"]')" 1.0 '... and nothing hides it'
+run --sun 10,5,1 --sun-color 1e9 -o a.png near.exr
+like "$(cat err)" '*times as bright as the brightest pixel*--sun-color*' \
+    'a light that is far too bright'
+done_testing
