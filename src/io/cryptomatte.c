@@ -242,7 +242,7 @@ static gp_status find_types(struct reading *c)
 {
     static const char first[] = "cryptomatte/", last[] = "/name";
     const size_t start = sizeof first - 1, end = sizeof last - 1;
-    size_t left = GP_JSON_SMALL + 8 * gp_frame_pixels(c->f);
+    size_t left = GP_JSON_SMALL + 4 * gp_frame_pixels(c->f);
     gp_status st = GP_OK;
     for (int part = 0; part < c->in->parts && !st; part++) {
         const exr_attribute_t *a;

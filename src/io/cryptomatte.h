@@ -24,7 +24,7 @@
  *          were found, cut at GP_CHANNEL_LIST
  *
  * Errors: GP_ERR_DATA f has no Cryptomatte, or one of another hash, whose ids are
- * no 32-bit floats, or whose manifest is damaged or has over 8 bytes a pixel and
+ * no 32-bit floats, or whose manifest is damaged or has over 4 bytes a pixel and
  * 1 MiB; no such name (the nearest three); a wild card without a manifest. */
 GP_MUST_CHECK gp_status gp_read_crypto(const struct gp_log *log,
                                        const struct gp_read_params *p,
