@@ -158,8 +158,9 @@ const struct gp_option gp_options[] = {
         "character, and \\ quotes what follows; ! before all of it inverts"),
     OPT(light.source, .name = "source", IN(LIGHT), .arg = "FILE",
         .help = "Spread the light of this frame (or pattern), which has the "
-                "same data window, in place of the frame's own; --mix is add: "
-                "none of it is there to be taken"),
+                "same data window, in place of the frame's own, and add it: "
+                "--mix is add, and what the kernel leaves in its pixel is "
+                "added too"),
     OPT(kernel.words, .name = "kernel", .letter = 'k', LENS(LIGHT),
         .arg = "FILE", .list = gp_kernel_word, .open = true,
         .help = "Point-spread function, without it the style's: an image file "
