@@ -646,18 +646,18 @@ int glarepp_frame_run(struct glarepp_frame *frame,
 /* Planes of a frame. */
 enum glarepp_view {
     // set by the caller; GLARE too, to compose another layer
-    GLAREPP_DEPTH,     // plane[0], units of the world
-    GLAREPP_COVERAGE,  // plane[0], 0 clear to 1 opaque
-    GLAREPP_NORMAL,    // may be turned in place
+    GLAREPP_DEPTH,    // plane[0], units of the world
+    GLAREPP_COVERAGE, // plane[0], 0 clear to 1 opaque
+    GLAREPP_NORMAL,   // may be turned in place
     GLAREPP_ALBEDO,
     // made by steps
-    GLAREPP_CLEAN,     // the frame after SENSE: no NaN, no infinity
+    GLAREPP_CLEAN, // the frame after SENSE: no NaN, no infinity
     GLAREPP_SOURCES,
-    GLAREPP_GLARE,     // the layer, with flare and ghosts
-    GLAREPP_LIT,       // scene-linear
-    GLAREPP_SHOWN,     // display-linear BT.709, or as OpenColorIO encodes it
-    GLAREPP_OUTPUT,    // LIT in the tone's output space; before COMPOSE, the
-                       // frame itself
+    GLAREPP_GLARE,  // the layer, with flare and ghosts
+    GLAREPP_LIT,    // scene-linear
+    GLAREPP_SHOWN,  // display-linear BT.709, or as OpenColorIO encodes it
+    GLAREPP_OUTPUT, // LIT in the tone's output space; before COMPOSE, the
+                    // frame itself
     // pictures to look at
     GLAREPP_POLYGONS,  // Ando et al. 2007, Figure 6, over SHOWN
     GLAREPP_SUNMAP, GLAREPP_INTENSITY,
@@ -667,6 +667,9 @@ enum glarepp_view {
     // elements; ghosts of a lens
     GLAREPP_PART_VEIL, GLAREPP_PART_CORE, GLAREPP_PART_FLARE,
     GLAREPP_PART_GHOSTS,
+    // set by the caller, before SENSE: plane[0], share of a pixel's light that
+    // may glare; 0 outside of its window
+    GLAREPP_SOURCE_MASK,
     GLAREPP_VIEWS,
 };
 

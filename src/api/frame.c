@@ -97,15 +97,18 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         if (views & 1u << GLAREPP_ALBEDO)
             gp_plane_free(&f->albedo[c]);
     }
+    if (views & 1u << GLAREPP_SOURCE_MASK)
+        gp_plane_free(&f->source_mask);
     if (views & 1u << GLAREPP_CLEAN && f->borrowed)
         f->image.rgb = (struct gp_planes) {0};
     if (views & 1u << GLAREPP_SOURCES) {
         gp_sources_free(&f->sources);
         gp_sources_free(&f->joined);
+        gp_sources_free(&f->whole);
     }
     if (views & 1u << GLAREPP_TRUTH)
         GP_FREE(f->exact);
-    for (int v = GLAREPP_CLEAN; v < GLAREPP_VIEWS; v++) {
+    for (int v = GLAREPP_CLEAN; v <= GLAREPP_TRUTH; v++) {
         if (views & 1u << v && v != GLAREPP_OUTPUT)
             gp_planes_free(planes_of(f, &f->image, (enum glarepp_view) v));
     }
@@ -197,10 +200,12 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
                       const struct glarepp_image *plane)
 {
     struct glarepp *const outer = gp_api_begin(f->plan->gp);
-    struct gp_plane *const to = view == GLAREPP_DEPTH      ? &f->depth
-                                : view == GLAREPP_COVERAGE ? &f->mask
-                                : view == GLAREPP_NORMAL   ? f->normal
-                                : view == GLAREPP_ALBEDO   ? f->albedo : NULL;
+    struct gp_plane *const to = view == GLAREPP_DEPTH         ? &f->depth
+                                : view == GLAREPP_COVERAGE    ? &f->mask
+                                : view == GLAREPP_NORMAL      ? f->normal
+                                : view == GLAREPP_ALBEDO      ? f->albedo
+                                : view == GLAREPP_SOURCE_MASK ? &f->source_mask
+                                                              : NULL;
     const int planes =
         view == GLAREPP_NORMAL || view == GLAREPP_ALBEDO ? 3 : 1;
     gp_status st = GP_OK;

@@ -159,9 +159,10 @@ struct glarepp_frame {
     bool borrowed;                 // image.rgb is the caller's
     struct gp_api_group *group;    // owned
     int groups;
-    struct gp_plane depth, mask, normal[3], albedo[3];
+    struct gp_plane depth, mask, normal[3], albedo[3], source_mask;
     struct gp_api_work *work;      // lent, from the first step that needs it
     struct gp_sources sources;     // of the frame, or of the groups together
+    struct gp_sources whole;       // ... before the mask; empty: no mask
     struct gp_sources joined;      // sources and lights; empty: no lights
     double mean, white;            // luminance of the picture, and of scene
                                    // value 1 in cd/m2, for eyes

@@ -68,6 +68,24 @@ out:
     return st;
 }
 
+/* Multiplies the sources by the mask, those of groups too. What they were is
+ * kept: the edges are those of the whole picture, so that a mask and its inverse
+ * add up to no mask. */
+static gp_status mask_sources(struct glarepp_frame *f)
+{
+    const struct gp_plane *const mask = &f->source_mask;
+    f->whole = f->sources;
+    f->sources = (struct gp_sources) {0};
+    gp_status st = gp_sources_mask(&f->log, &f->whole, mask, &f->sources);
+    for (int i = 0; i < f->groups && !st; i++) {
+        struct gp_sources own = f->group[i].sources;
+        f->group[i].sources = (struct gp_sources) {0};
+        st = gp_sources_mask(&f->log, &own, mask, &f->group[i].sources);
+        gp_sources_free(&own);
+    }
+    return st;
+}
+
 /* Returns the luminance of a sum over pixels of the frame. */
 static double luminance_of(const struct gp_image *image, const double sum[3])
 {
@@ -102,6 +120,8 @@ static gp_status sense(struct glarepp_frame *f)
     gp_status st = gp_sense(&f->log, &f->plan->sense, &f->image, &f->sources);
     if (!st && f->groups)
         st = sense_groups(f);
+    if (!st && f->source_mask.v)
+        st = mask_sources(f);
     if (st)
         return st;
     *facts = (struct glarepp_sense_facts) {
@@ -397,11 +417,12 @@ struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
 
 // -- layer --------------------------------------------------------------------
 
-/* Returns the way the picture goes on for `own`, a part of its sources. */
+/* Returns the way the picture goes on for `own`, a part of its light. */
 static struct gp_surround edges_of(const struct glarepp_frame *f,
                                    const struct gp_sources *own)
 {
-    return (struct gp_surround) {f->plan->edges, &f->sources, own};
+    return (struct gp_surround) {f->plan->edges,
+                                 f->whole.row ? &f->whole : &f->sources, own};
 }
 
 static gp_status add_layer(struct glarepp_frame *f)

@@ -446,6 +446,24 @@ static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
 
 // -- parameters of the library -----------------------------------------------
 
+/* Has light of another frame be added. */
+static gp_status set_mix(const struct gp_log *log, struct gp_settings *s)
+{
+    if (!s->light.source)
+        return GP_OK;
+    if (s->input.light_groups.n)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--source: has the light in place of "
+                       "--light-group %s; leave one of the two out",
+                       s->input.light_groups.at[0]);
+    if (gp_option_given(s, "mix") && s->light.layer.mix == GLAREPP_SCATTER)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--mix: scatter takes light out of "
+                       "the frame, which has none of --source; use --mix add");
+    s->light.layer.mix = GLAREPP_ADD;
+    return GP_OK;
+}
+
 /* Fills in the sun of --sun or --sun-dir, and of --camera all but its place. */
 static void set_lights(struct gp_sun_settings *s)
 {
@@ -535,6 +553,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     GP_TRY(check_grow(log, s));
     GP_TRY(check_groups(log, s));
     GP_TRY(check_lights(log, warn, sun));
+    GP_TRY(set_mix(log, s));
     // Ando et al. spread whole pixels and add the layer
     const bool bench = s->command == GP_COMMAND_BENCH;
     if (bench && s->bench.paper && !gp_option_given(s, "threshold-mode"))

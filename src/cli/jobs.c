@@ -439,7 +439,7 @@ gp_status gp_job_beside(const struct gp_log *log, const struct gp_job *job,
     return *name ? GP_OK : gp_no_memory(log, path);
 }
 
-/* Checks the files of --depth-file or --mask-file. */
+/* Checks the files of an option that are beside frames. */
 static gp_status check_beside(const struct gp_output_guard *c, const char *what,
                               const char *path, const struct gp_jobs *j)
 {
@@ -490,7 +490,11 @@ gp_status gp_jobs_check_names(
     if (c.exists) {
         GP_TRY(check_beside(&c, "--depth-file", s->sun.depth_file, j));
         GP_TRY(check_beside(&c, "--mask-file", s->sun.mask_file, j));
+        GP_TRY(check_beside(&c, "--source", s->light.source, j));
     }
+    if (c.exists && s->light.mask && !gp_mask_word_of(s->light.mask).crypto)
+        GP_TRY(check_beside(&c, "--source-mask",
+                            gp_mask_word_of(s->light.mask).word, j));
     for (int i = 0; i < n; i++)
         GP_TRY(gp_output_guard_input(&c, "another file names", also[i]));
 out:

@@ -160,6 +160,17 @@ const struct gp_option gp_options[] = {
     OPT(light.sense.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
         .hi = FLT_MAX, .help = "Clamp brighter pixels: scale them so that "
         "their largest channel is V, which keeps their hue; 0 clamps none"),
+    OPT(light.mask, .name = "source-mask", IN(LIGHT),
+        .arg = "FILE|CH|crypto:NAMES", .help = "Let pixels glare by the share "
+        "that this channel of the frame has, or else this file (or pattern): "
+        "its A, its only channel or its R, 0 to 1; or by the coverage of "
+        "Cryptomatte's objects NAME,NAME, in which * and ? match any text and "
+        "character, and \\ quotes what follows; ! before all of it inverts"),
+    OPT(light.source, .name = "source", IN(LIGHT), .arg = "FILE",
+        .help = "Spread the light of this frame (or pattern), which has the "
+                "same data window, in place of the frame's own, and add it: "
+                "--mix is add, and what the kernel leaves in its pixel is "
+                "added too"),
     OPT(kernel.words, .name = "kernel", .letter = 'k', LENS(LIGHT),
         .arg = "FILE", .list = gp_kernel_word, .open = true,
         .help = "Point-spread function, without it the style's: an image file "

@@ -107,7 +107,22 @@ struct gp_light_settings {
     const char *style;                 // a word of gp_styles
     struct glarepp_sense_params sense;
     struct glarepp_layer_params layer; // edges, where not given: black with add
+    const char *mask;                  // of what may glare, as given; or NULL
+    const char *source;                // file of a frame whose light it is
 };
+
+/* The value of --source-mask. */
+struct gp_mask_word {
+    const char *word;      // a channel or file, or
+    bool crypto, inverted; // names of Cryptomatte; "!" was before it
+};
+static inline struct gp_mask_word gp_mask_word_of(const char *value)
+{
+    const bool inverted = value[0] == '!';
+    const bool crypto = strncmp(value + inverted, "crypto:", 7) == 0;
+    return (struct gp_mask_word) {value + inverted + (crypto ? 7 : 0), crypto,
+                                  inverted};
+}
 
 /* Forms of --kernel-normalize. */
 enum gp_kernel_sum { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };

@@ -128,6 +128,10 @@ static size_t frame_bytes(const struct pipeline *p,
     size_t bytes = pixels * pixel + carried_bytes(&fs->file);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i]);
+    if (fs->source.path)
+        bytes += pixels * 3 * sizeof(float) + carried_bytes(&fs->source);
+    if (fs->source_mask.v)
+        bytes += pixels * sizeof(float);
     return bytes;
 }
 

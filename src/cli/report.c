@@ -31,15 +31,24 @@ void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *lin
     char of[40] = "";
     const struct glarepp_sense_facts *const s = &f->lib.sense;
     const double t = (double) s->threshold;
+    const char *const file = f->read.source ? f->read.source : f->job.input;
     if (frames > 1)
         snprintf(of, sizeof of, " of %d frames", frames);
-    if (s->peak > 0.0f)
-        snprintf(line, size, "%s: no pixel%s is over the threshold %.3g "
-                 "(brightest %.3g at %d,%d); lower --threshold", f->job.input,
-                 of, t, (double) s->peak, s->peak_at[0], s->peak_at[1]);
+    if (f->read.mask && s->peak > s->threshold)
+        snprintf(line, size,
+                 "%s: no pixel%s over the threshold %.3g is in the "
+                 "source mask (brightest %.3g at %d,%d); check --source-mask",
+                 file, of, t, (double) s->peak, s->peak_at[0], s->peak_at[1]);
+    else if (s->peak > 0.0f)
+        snprintf(line, size,
+                 "%s: no pixel%s is over the threshold %.3g "
+                 "(brightest %.3g at %d,%d); lower --threshold",
+                 file, of, t, (double) s->peak, s->peak_at[0], s->peak_at[1]);
     else
-        snprintf(line, size, "%s: no pixel%s is over the threshold %.3g (all "
-                 "are black); check the frame", f->job.input, of, t);
+        snprintf(line, size,
+                 "%s: no pixel%s is over the threshold %.3g (all "
+                 "are black); check the frame",
+                 file, of, t);
 }
 
 // -- the settings that made a picture -----------------------------------------
@@ -252,6 +261,8 @@ static const struct row made_rows[] = {
     FACT("window", read.window.x0, INTS(4)),
     FACT("window_read", read.file.x0, IF(read.grown), INTS(4)),
     LIST("light_groups", TEXT, read.group, read.groups, IF(read.groups)),
+    SOME("source", read.source),
+    SOME("source_mask", read.mask),
     SOME("engine", lib.layer.engine),
     FACT("engine_why", lib.layer.why[0], IF(lib.layer.engine)),
     FACT("threshold", lib.sense.threshold),

@@ -45,6 +45,8 @@ struct gp_read_facts {
     struct gp_taken taken;       // part, layer and view of the input
     const char *const *group;    // `groups` layers that glare
     int groups;                  // 0: the frame's own colour glares
+    const char *source;          // or that of this file; NULL: none
+    const char *mask;            // of what glares: channel, file or objects
     struct gp_rect window;       // data window of the outputs
     int width, height;           // of it
     bool grown;                  // the file's differs

@@ -106,9 +106,11 @@ void gp_frame_state_end(struct gp_frame_state *fs)
     for (int i = 0; i < fs->groups; i++) // they borrow from the file
         gp_frame_free(&fs->group[i]);
     gp_free(fs->group);
+    gp_frame_free(&fs->source);
     gp_frame_free(&fs->file);
     gp_plane_free(&fs->depth);
     gp_plane_free(&fs->mask);
+    gp_plane_free(&fs->source_mask);
     for (int c = 0; c < 3; c++) {
         gp_plane_free(&fs->normal[c]);
         gp_plane_free(&fs->albedo[c]);
@@ -149,6 +151,7 @@ static bool writes_floats(const struct gp_run *r,
 static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
 {
     struct glarepp_frame_params p = gp_frame_params_of(fs->job, &fs->file);
+    const bool other = fs->source.path; // --source, as a group for its light
     struct glarepp_image *group;
     gp_status st = gp_alloc(fs->log, "light groups",
                             (size_t) fs->groups + 1, sizeof *group, &group);
@@ -156,10 +159,12 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
         return st;
     for (int i = 0; i < fs->groups; i++)
         group[i] = gp_frame_view(&fs->group[i], &fs->group[i].rgb);
+    if (other)
+        group[0] = gp_frame_view(&fs->source, &fs->source.rgb);
     p.in_place = true;
     p.group = group;
-    p.groups = fs->groups;
-    p.groups_glare = !r->s->output.hdr.n;
+    p.groups = other ? 1 : fs->groups;
+    p.groups_glare = other || !r->s->output.hdr.n;
     p.last = fs->own || fs->job - r->jobs->job == r->jobs->n - 1;
     p.layer_ends = r->layer_ends;
     p.details = r->details;
@@ -201,11 +206,15 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         window = gp_grow_align(&fs->file, window);
         for (int i = 0; i < fs->groups; i++)
             window = gp_grow_align(&fs->group[i], window);
+        if (fs->source.path)
+            window = gp_grow_align(&fs->source, window);
     } while (memcmp(&window, &before, sizeof window) != 0);
     GP_TRY(gp_grow_check(log, &fs->file, window, s->input.read.max_pixels));
     GP_TRY(gp_grow(log, &p, window, &fs->file));
     for (int i = 0; i < fs->groups; i++)
         GP_TRY(gp_grow(log, &p, window, &fs->group[i]));
+    if (fs->source.path)
+        GP_TRY(gp_grow(log, &p, window, &fs->source));
 out:
     return st;
 }
@@ -256,6 +265,7 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     for (; fs->groups < groups->n; fs->groups++)
         GP_TRY(gp_read_layer(log, &p, &fs->file, groups->at[fs->groups],
                              &fs->group[fs->groups]));
+    GP_TRY(gp_read_source(r, fs));
     GP_TRY(grow_frames(r, fs));
     facts->window = fs->file.data;
     facts->file = gp_frame_read(&fs->file);
@@ -265,6 +275,7 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     gp_read_taken(&fs->file, &facts->taken);
     fs->facts.ocio = plan->config ? plan : NULL;
     GP_TRY(begin_frame(r, fs));
+    GP_TRY(gp_read_source_mask(r, fs));
     if (!gp_lights_wanted(r->s) && !gp_no_depth(r->s))
         st = name_depth(r, fs);
 out:

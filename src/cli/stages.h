@@ -40,7 +40,8 @@ struct gp_frame_state {
     struct gp_frame file;          // as it was read
     struct gp_frame *group;        // `groups` layers of --light-group, which
     int groups;                    // borrow from the file
-    struct gp_plane depth, mask, normal[3], albedo[3];
+    struct gp_frame source;        // of --source; path NULL: none
+    struct gp_plane depth, mask, normal[3], albedo[3], source_mask;
     struct glarepp_frame *frame;   // borrows the planes of all of these
     bool converted;                // its layers are in --output-space
     struct glarepp_plan *plan;     // of its numbers; borrowed
@@ -90,6 +91,15 @@ struct gp_run {
  * facts. */
 GP_MUST_CHECK gp_status gp_run_occluders(const struct gp_run *r,
                                          struct gp_frame_state *fs);
+
+/* Reads --source. Errors: GP_ERR_DATA its data window or primaries are not those
+ * of the frame as it was read. */
+GP_MUST_CHECK gp_status gp_read_source(const struct gp_run *r,
+                                       struct gp_frame_state *fs);
+
+/* Reads --source-mask and gives it to the library. */
+GP_MUST_CHECK gp_status gp_read_source_mask(const struct gp_run *r,
+                                            struct gp_frame_state *fs);
 
 /* A stage of a frame, a step of the library or a function. `time` is an enum
  * gp_time, or -1 for stages that are not part of making the picture. The last

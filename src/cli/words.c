@@ -88,6 +88,10 @@ static const char *path_in(const struct gp_option *o, const char *value)
         return file + 5;
     if (o->kind >= GP_KIND_FLOAT && o->kind <= GP_KIND_NUMBERS)
         return *value == '@' ? value + 1 : NULL; // of keys
+    if (o->at == offsetof(struct gp_settings, light.mask)) {
+        const struct gp_mask_word mask = gp_mask_word_of(value);
+        return mask.crypto ? NULL : mask.word;
+    }
     if ((strcmp(o->arg, "CONFIG") == 0 || strstr(o->arg, "FILE")) &&
         !strstr(value, "://"))
         return value;

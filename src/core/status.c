@@ -168,7 +168,7 @@ struct gp_nearest gp_nearest_to(const char *word, size_t length, int most)
 
 void gp_nearest_try(struct gp_nearest *search, const char *name)
 {
-    enum { LONGEST = 31 };
+    enum { LONGEST = 255 };
     const char *const word = search->word;
     const size_t n = search->length, m = strlen(name);
     int rows[3][LONGEST + 1]; // the last three of the table of distances

@@ -362,8 +362,11 @@ gp_status gp_glare_run(const struct gp_log *log,
     wide.data = (struct gp_rect) {0, 0, m.src.w, m.src.h};
     wide.rgb = m.rgb;
     params.edges = m.edges;
-    // what scatters is the picture, for which the edges are made
-    params.taken = p->taken ? m.edges.picture : NULL;
+    // what scatters is the picture for which the edges are made, or the part of
+    // it that glares
+    params.taken = !p->taken     ? NULL
+                   : m.edges.own ? m.edges.own
+                                 : m.edges.picture;
     GP_TRY(run_picture(log, &params, g, &m.src, kernel, &wide, stats));
     if (!f->layer.c[0])
         GP_TRY(gp_planes_make(log, "layer", gp_image_pixels(f), &f->layer));

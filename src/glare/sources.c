@@ -119,6 +119,32 @@ gp_status gp_sources_halve(const struct gp_log *log,
     return GP_OK;
 }
 
+gp_status gp_sources_mask(const struct gp_log *log,
+                          const struct gp_sources *src,
+                          const struct gp_plane *mask, struct gp_sources *out)
+{
+    const struct gp_rect window = mask->window;
+    const long long w = gp_rect_w(window), h = gp_rect_h(window);
+    gp_status st = gp_sources_make(log, src, src->n, out);
+    if (st)
+        return st;
+    for (int y = 0; y < src->h; y++) {
+        const long long row = (long long) src->y0 + y - window.y0;
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+            const long long x = (long long) src->x0 + src->x[i] - window.x0;
+            const bool inside = row >= 0 && row < h && x >= 0 && x < w;
+            const float v = inside ? mask->v[row * w + x] : 0.0f;
+            const float share = v > 0.0f ? gp_minf(v, 1.0f) : 0.0f;
+            const float rgb[3] = {src->rgb[0][i] * share,
+                                  src->rgb[1][i] * share,
+                                  src->rgb[2][i] * share};
+            gp_sources_add(out, src->x[i], y, rgb);
+        }
+    }
+    gp_sources_finish(out);
+    return GP_OK;
+}
+
 // -- two lists to one ---------------------------------------------------------
 
 /* Row order; of one pixel, the darker first: sums do not depend on the order

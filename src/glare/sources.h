@@ -96,6 +96,17 @@ GP_MUST_CHECK gp_status gp_sources_join(const struct gp_log *log,
     const struct gp_sources *src, struct gp_source *more, size_t n,
     struct gp_sources *out);
 
+/* Multiplies each source by the mask's value in its pixel, clamped to [0, 1]; NaN
+ * and pixels outside of the mask's window are 0. A source without light is left
+ * out.
+ *   mask  window in EXR pixel space
+ *   out   as gp_sources_make() of src, written only on GP_OK
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sources_mask(const struct gp_log *log,
+                                        const struct gp_sources *src,
+                                        const struct gp_plane *mask,
+                                        struct gp_sources *out);
+
 /* The sources as full planes (w * h, 0 where dark), for engines that need
  * an image and for --debug sensors. `p` is made. */
 GP_MUST_CHECK gp_status gp_sources_planes(const struct gp_log *log,

@@ -9,8 +9,10 @@
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { FULL = 2 * (GP_CHANNEL_NAME + 1) }; // bytes of PART.CHANNEL
+enum kind { COVERAGE, DEPTH, MASK };       // of what is looked for
 
 /* -- the parts of a file -------------------------------------------------- */
 
@@ -284,11 +286,13 @@ static void search_lone(const struct list *list, bool depth,
 }
 
 /* Finds a channel by its name; by NULL depth or A. In a file of its own
- * (`own_file`) the only channel is taken too, and none is an error. */
-static gp_status pick(const struct gp_log *log,
-                      const struct list *list, const char *name, bool depth,
-                      bool own_file, struct place *out)
+ * (`own_file`) the only channel is taken too, of a mask R, and none is an
+ * error. */
+static gp_status pick(const struct gp_log *log, const struct list *list,
+                      const char *name, enum kind kind, bool own_file,
+                      struct place *out)
 {
+    const bool depth = kind == DEPTH;
     gp_status st = GP_OK;
     struct place at = {0};
     char names[GP_CHANNEL_LIST];
@@ -298,9 +302,11 @@ static gp_status pick(const struct gp_log *log,
             find_exact(list, name, false, out) ||
             find_exact(list, name, true, out))
             return GP_OK;
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: has no channel %s (it has %s); give one of those",
-                       list->path, name, names);
+        return gp_fail(log, GP_ERR_USAGE, "%s: has no channel %s (it has %s)%s",
+                       list->path, name, names,
+                       kind == MASK
+                           ? ", nor is there such a file; give one of both"
+                           : "; give one of those");
     }
     if (depth)
         GP_TRY(search_depth(log, list, &at));
@@ -308,12 +314,17 @@ static gp_status pick(const struct gp_log *log,
         find_exact(list, "A", false, &at);
     if (!at.part && own_file)
         search_lone(list, depth, &at);
+    if (!at.part && kind == MASK)
+        find_exact(list, "R", false, &at);
     if (!at.part && own_file)
         return gp_fail(log, GP_ERR_USAGE,
                        depth ? "%s: no channel is clearly depth (it has %s); "
                                "name one with --depth"
-                             : "%s: has neither alpha nor a single channel "
-                               "(it has %s); name one with --mask",
+                       : kind == MASK
+                           ? "%s: has no A, R or single channel (it "
+                             "has %s); rename one A"
+                           : "%s: has neither alpha nor a single channel "
+                             "(it has %s); name one with --mask",
                        list->path, names);
     // warns of what the user of a frame may not expect
     if (at.part && !own_file && at.part->deep) {
@@ -416,15 +427,17 @@ static gp_status read_samples(const struct gp_log *log,
 
 /* Finds a channel beside a frame: its name, and its `type` or its samples. */
 static gp_status find_beside(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
-    bool depth, enum gp_pixel_type *type, struct gp_plane *out)
+                             const struct gp_read_params *p,
+                             const struct gp_frame *f, const char *name,
+                             enum kind kind, enum gp_pixel_type *type,
+                             struct gp_plane *out)
 {
     struct list list;
     struct place at;
     gp_status st;
     *out = (struct gp_plane) {0};
-    GP_TRY(list_frame(log, f, depth, &list));
-    GP_TRY(pick(log, &list, name, depth, false, &at));
+    GP_TRY(list_frame(log, f, kind == DEPTH, &list));
+    GP_TRY(pick(log, &list, name, kind, false, &at));
     if (at.part)
         GP_TRY(make_name(log, &list, &at, out));
     if (at.part && type)
@@ -445,23 +458,24 @@ gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, struct gp_plane *out)
 {
-    return find_beside(log, p, f, name, depth, NULL, out);
+    return find_beside(log, p, f, name, depth ? DEPTH : COVERAGE, NULL, out);
 }
 
 gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
     const char *name, char **channel, enum gp_pixel_type *type)
 {
     struct gp_plane named;
-    const gp_status st = find_beside(log, NULL, f, name, true, type, &named);
+    const gp_status st = find_beside(log, NULL, f, name, DEPTH, type, &named);
     *channel = named.name;
     return st;
 }
 
 /* -- from a file of its own ----------------------------------------------- */
 
-gp_status gp_read_plane_file(const struct gp_log *log,
-                             const struct gp_read_params *p, const char *path,
-                             const char *name, bool depth, struct gp_plane *out)
+static gp_status read_file(const struct gp_log *log,
+                           const struct gp_read_params *p, const char *path,
+                           const char *name, enum kind kind,
+                           struct gp_plane *out)
 {
     gp_status st;
     struct gp_stored_file file;
@@ -471,7 +485,7 @@ gp_status gp_read_plane_file(const struct gp_log *log,
     struct gp_plane plane = {0};
     GP_TRY(gp_stored_open(log, p, path, &file));
     if (file.input) {
-        GP_TRY(list_exr(log, file.input, false, depth, &list));
+        GP_TRY(list_exr(log, file.input, false, kind == DEPTH, &list));
     } else {
         GP_TRY(alloc_list(log, 1, image->channels, &list));
         for (; list.channels < image->channels; list.channels++)
@@ -481,7 +495,7 @@ gp_status gp_read_plane_file(const struct gp_log *log,
             .channel = list.channel, .channels = list.channels,
         };
     }
-    GP_TRY(pick(log, &list, name, depth, true, &at));
+    GP_TRY(pick(log, &list, name, kind, true, &at));
     GP_TRY(make_name(log, &list, &at, &plane));
     if (file.input) {
         GP_TRY(from_part(log, p, path, file.input, &at, &plane));
@@ -496,6 +510,23 @@ out:
     free_list(&list);
     gp_stored_close(&file);
     return st;
+}
+
+gp_status gp_read_plane_file(const struct gp_log *log,
+                             const struct gp_read_params *p, const char *path,
+                             const char *name, bool depth, struct gp_plane *out)
+{
+    return read_file(log, p, path, name, depth ? DEPTH : COVERAGE, out);
+}
+
+gp_status gp_read_mask(const struct gp_log *log, const struct gp_read_params *p,
+                       const struct gp_frame *f, const char *name,
+                       const char *path, struct gp_plane *out)
+{
+    const bool file = access(path, F_OK) == 0;
+    const gp_status st =
+        find_beside(file ? NULL : log, p, f, name, MASK, NULL, out);
+    return st && file ? read_file(log, p, path, NULL, MASK, out) : st;
 }
 
 /* -- layers of three channels ---------------------------------------------- */

@@ -83,4 +83,12 @@ GP_MUST_CHECK gp_status gp_read_plane_file(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const char *name,
     bool depth, struct gp_plane *out);
 
+/* Reads a mask: the channel `name` beside a frame, as gp_read_plane(); where it
+ * has none, from the file `path` A, else the only channel, else R.
+ * Errors: as above; GP_ERR_USAGE neither is there. */
+GP_MUST_CHECK gp_status gp_read_mask(const struct gp_log *log,
+                                     const struct gp_read_params *p,
+                                     const struct gp_frame *f, const char *name,
+                                     const char *path, struct gp_plane *out);
+
 #endif

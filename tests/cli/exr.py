@@ -238,4 +238,5 @@ def main():
     write(sys.argv[1], parts)
 
 
-main()
+if __name__ == "__main__":
+    main()

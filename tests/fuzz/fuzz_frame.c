@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/* A frame from memory: read, look for its depth and coverage, find its light,
+/* A frame from memory: read, look for its depth and coverages, find its light,
  * make it a kernel (the last byte says how), write it again. */
 #include "glare/kernel.h"
 #include "glare/sensors.h"
 #include "harness.h"
+#include "io/cryptomatte.h"
 #include "io/plane.h"
 #include "io/io_priv.h"
 #include "io/write.h"
@@ -41,6 +42,8 @@ static void look_at_planes(const struct gp_read_params *p,
     if (!fuzz_line(gp_read_plane(&fuzz_log, p, f, NULL, true, &plane)))
         touch_plane(&plane);
     if (!fuzz_line(gp_read_plane(&fuzz_log, p, f, "A", false, &plane)))
+        touch_plane(&plane);
+    if (!fuzz_line(gp_read_crypto(&fuzz_log, p, f, "*,a", &plane)))
         touch_plane(&plane);
     gp_frame_numbers(f, "worldToCamera", 16, m);
     gp_frame_numbers(f, "worldToNDC", 16, m);

@@ -157,6 +157,75 @@ static void views_agree(void **state)
     close_world(&w);
 }
 
+/* Reads the layer and the lit picture of a frame with a mask, or NULL. */
+static void spread(struct world *w, const struct glarepp_image *image,
+                   float *mask, float *layer, float *lit)
+{
+    struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
+    struct glarepp_frame *frame;
+    struct glarepp_image v = view_of(mask);
+    p.image = *image;
+    assert_int_equal(glarepp_frame(w->plan, &p, &frame), GLAREPP_OK);
+    if (mask)
+        assert_int_equal(glarepp_frame_set(frame, GLAREPP_SOURCE_MASK, &v),
+                         GLAREPP_OK);
+    for (int i = GLAREPP_SENSE; i <= GLAREPP_COMPOSE; i++) {
+        if (i != GLAREPP_VERIFY)
+            assert_int_equal(glarepp_frame_run(frame, (enum glarepp_step) i),
+                             GLAREPP_OK);
+    }
+    assert_int_equal(glarepp_frame_view(frame, GLAREPP_GLARE, 0, &v),
+                     GLAREPP_OK);
+    for (int c = 0; c < 3; c++)
+        memcpy(layer + c * PIXELS, v.plane[c], PIXELS * sizeof *layer);
+    assert_int_equal(glarepp_frame_view(frame, GLAREPP_LIT, 0, &v), GLAREPP_OK);
+    for (int c = 0; c < 3; c++)
+        memcpy(lit + c * PIXELS, v.plane[c], PIXELS * sizeof *lit);
+    glarepp_frame_end(&frame);
+}
+
+/* What a mask and its inverse let glare is the whole, whatever the edges; so is
+ * what they take. */
+static void masks_add_up(void **state)
+{
+    static float in[3 * PIXELS], mask[2][PIXELS], layer[3][3 * PIXELS],
+        lit[3][3 * PIXELS];
+    for (int edges = GLAREPP_BLACK; edges <= GLAREPP_MIRROR; edges++) {
+        struct glarepp_plan_params how = GLAREPP_PLAN_PARAMS;
+        struct glarepp_layer_params p = GLAREPP_LAYER_PARAMS;
+        struct world w;
+        double norm = 0.0, error[2] = {0.0, 0.0};
+        open_world(&w, 0);
+        draw(in, 40);
+        for (int i = 0; i < PIXELS; i++) {
+            in[i] += i % W < 8 ? 30.0f : 0.0f; // a wall along the border
+            mask[0][i] = (float) (i % 9) / 8.0f;
+            mask[1][i] = 1.0f - mask[0][i];
+        }
+        p.edges = (enum glarepp_edges) edges;
+        p.engine = "fft";
+        how.layer = &p;
+        glarepp_plan_end(&w.plan);
+        assert_int_equal(glarepp_plan(w.gp, &how, &w.plan), GLAREPP_OK);
+        const struct glarepp_image a = view_of(in);
+        spread(&w, &a, NULL, layer[2], lit[2]);
+        spread(&w, &a, mask[0], layer[0], lit[0]);
+        spread(&w, &a, mask[1], layer[1], lit[1]);
+        for (int i = 0; i < 3 * PIXELS; i++) {
+            const double whole = (double) layer[2][i];
+            const double sum = (double) layer[0][i] + (double) layer[1][i];
+            const double moved = (double) lit[0][i] + (double) lit[1][i] -
+                                 (double) in[i] - (double) lit[2][i];
+            norm += whole * whole;
+            error[0] += (sum - whole) * (sum - whole);
+            error[1] += moved * moved;
+        }
+        assert_true(norm > 1.0 && sqrt(error[0] / norm) < 1e-6);
+        assert_true(sqrt(error[1] / norm) < 1e-6);
+        close_world(&w);
+    }
+}
+
 /* In place gives what two images give. */
 static void in_place(void **state)
 {
@@ -338,5 +407,6 @@ static void names(void **state)
     assert_string_equal(glarepp_version(), GP_VERSION);
 }
 
-SUITE_OF(api, NULL, NULL, adds_glare, dark_frame_stays, views_agree, in_place, threads_agree,
-         cancel, errors_name_parameters, sizes, ends, names)
+SUITE_OF(api, NULL, NULL, adds_glare, dark_frame_stays, views_agree,
+         masks_add_up, in_place, threads_agree, cancel, errors_name_parameters,
+         sizes, ends, names)

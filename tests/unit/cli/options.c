@@ -337,6 +337,33 @@ static void plans_get_all_settings(void **state)
     gp_settings_free(&s);
 }
 
+/* Another frame's light is added; the word of a mask is a file, or names. */
+static void other_light_is_added(void **state)
+{
+    static const struct {
+        const char *value, *word;
+        bool crypto, inverted;
+    } rows[] = {
+        {"A", "A", false, false},
+        {"!m.exr", "m.exr", false, true},
+        {"crypto:a,b", "a,b", true, false},
+        {"!crypto:*", "*", true, true},
+        {"./crypto:a", "./crypto:a", false, false},
+    };
+    struct gp_settings s;
+    assert_ok(parse("--source j --source-mask A -o a i", &s));
+    assert_int_equal(s.light.layer.mix, GLAREPP_ADD);
+    assert_int_equal(s.light.layer.edges, GLAREPP_BLACK);
+    assert_string_equal(s.light.source, "j");
+    gp_settings_free(&s);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct gp_mask_word m = gp_mask_word_of(rows[i].value);
+        assert_string_equal(m.word, rows[i].word);
+        assert_true(m.crypto == rows[i].crypto &&
+                    m.inverted == rows[i].inverted);
+    }
+}
+
 /* A direction has its size by degrees, grey light all channels; without a light
  * there is none. */
 static void suns_are_lights(void **state)
@@ -417,6 +444,8 @@ static const char *const wrong[][2] = {
     {"--debug sensors=a --debug sensors=b i", "sensors: "},
     {"--help-ma i", "did you mean --help?"},
     {"-o a i --mask A", "--mask: "},
+    {"-o a i --source j --light-group key", "--source: "},
+    {"-o a i --source j --mix scatter", "--mix: "},
     {"-o a i -k k.exr --kernel-size 0", "--kernel-size: "},
     {"-o a i -k k.exr --kernel-size 2dag", "--kernel-size: "},
     {"-o a i -k k.exr --kernel-size 200deg", "--kernel-size: "},
@@ -443,8 +472,7 @@ static const char *const wrong[][2] = {
     {"bench a --runs 0", "--runs: "},
     {"bench a --runs 1001", "--runs: "},
     {"bench a --knee 0.5", "--knee: "},
-    {"bench --paper --knee 1 --threshold-mode excess",
-     "--knee: "},
+    {"bench --paper --knee 1 --threshold-mode excess", "--knee: "},
 };
 
 static void check_wrong(const char *line, const char *part)
@@ -503,8 +531,8 @@ static void warnings(void **state)
 }
 
 SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
-         commands_make_the_same_picture, forms_of_values,
-         forms_of_thresholds, words_that_look_like_options, topics_of_help,
-         clusters_follow_groups, commands, plans_get_all_settings,
-         suns_are_lights, kernels_are_scaled_as_asked,
-         errors_say_what_is_wrong, warnings)
+         commands_make_the_same_picture, forms_of_values, forms_of_thresholds,
+         words_that_look_like_options, topics_of_help, clusters_follow_groups,
+         commands, plans_get_all_settings, other_light_is_added,
+         suns_are_lights, kernels_are_scaled_as_asked, errors_say_what_is_wrong,
+         warnings)

@@ -2,6 +2,7 @@
 /* core's small files: messages, JSON's text, the program's other files,
  * planes. */
 #include "unit.h"
+#include "core/murmur.h"
 #include "core/bridge.h"
 #include "core/image.h"
 #include "core/json.h"
@@ -174,5 +175,21 @@ static void planes_are_cleared(void **state)
     }
 }
 
+/* MurmurHash3_x86_32: the check of SMHasher's VerificationTest(), and the two hashes
+ * that the specification of Cryptomatte prints. */
+static void hashes_are_published(void **state)
+{
+    uint8_t key[256], hashes[4 * 256];
+    for (unsigned i = 0; i < 256; i++) {
+        key[i] = (uint8_t) i;
+        const uint32_t hash = gp_murmur3(key, i, 256 - i);
+        memcpy(hashes + 4 * (size_t) i, &hash, sizeof hash);
+    }
+    assert_int_equal(gp_murmur3(hashes, sizeof hashes, 0), 0xb0f57ee3u);
+    assert_int_equal(gp_murmur3("torus", 5, 0), 4053562365u);
+    assert_int_equal(gp_murmur3("равнина", 14, 0), 2518896926u);
+}
+
 SUITE_OF(small, NULL, NULL, names_move_no_cursor, json_is_whole_or_null,
-    messages_are_one_line, bridges_are_looked_for, planes_are_cleared)
+         messages_are_one_line, bridges_are_looked_for, planes_are_cleared,
+         hashes_are_published)

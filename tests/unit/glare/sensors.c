@@ -253,7 +253,34 @@ static void light_joins(void **state)
     gp_sources_free(&dark);
 }
 
+/* A mask is clamped, of NaN and outside of its window 0; a source without light is
+ * none. */
+static void masks_share_light(void **state)
+{
+    static float v[] = {0.25f, 2.0f, -1.0f, NAN};
+    static const struct gp_plane mask = {.window = {-2, 7, 2, 8}, .v = v};
+    static const float want[] = {1.0f, 4.0f};
+    struct gp_sources dark = dark_list(), src, out;
+    dark.x0 = -3;
+    dark.y0 = 5;
+    assert_ok(gp_sources_make(NULL, &dark, 12, &src));
+    for (int y = 1; y < 3; y++) { // columns -3 to 2 of rows 6 and 7
+        for (int x = 0; x < 6; x++)
+            gp_sources_add(&src, x, y, (float[3]) {4.0f, 1.0f, 0.0f});
+    }
+    gp_sources_finish(&src);
+    assert_ok(gp_sources_mask(NULL, &src, &mask, &out));
+    assert_list(&out, "masked");
+    assert_int_equal(out.n, 2);
+    for (uint32_t i = 0; i < 2; i++)
+        assert_true(out.x[i] == 1 + (int) i && out.rgb[0][i] == want[i] &&
+                    out.rgb[1][i] == want[i] / 4.0f && out.rgb[2][i] == 0.0f);
+    assert_true(out.row[2] == 0 && out.flux[0] == 5.0);
+    gp_sources_free(&dark);
+    gp_sources_free(&src);
+    gp_sources_free(&out);
+}
+
 SUITE_OF(sensors, NULL, NULL, bad_pixels_stay_alone, threshold_is_shut,
          knee_is_smooth, sources_hold_the_excess, light_outside_is_refused,
-         light_joins)
-
+         light_joins, masks_share_light)

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Reads what glares beside a frame's own light: --source, and --source-mask. */
+#include "cli/stages.h"
+
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "io/cryptomatte.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// -- another frame's light ------------------------------------------------------
+
+/* Checks that a source is of the frame's pixels and colour. */
+static gp_status check_source(const struct gp_frame_state *fs)
+{
+    const struct gp_frame *const f = &fs->file, *const s = &fs->source;
+    bool alike = true;
+    if (memcmp(&f->data, &s->data, sizeof f->data) != 0)
+        return gp_fail(
+            fs->log, GP_ERR_DATA,
+            "%s: its data window is not that of "
+            "%s (found %dx%d at %d,%d; needs %dx%d at %d,%d); render "
+            "both with one window",
+            s->path, f->path, gp_frame_w(s), gp_frame_h(s), s->data.x0,
+            s->data.y0, gp_frame_w(f), gp_frame_h(f), f->data.x0, f->data.y0);
+    for (int i = 0; i < 8; i++)
+        alike =
+            alike && fabsf(s->chromaticities[i] - f->chromaticities[i]) < 1e-3f;
+    return alike ? GP_OK
+                 : gp_fail(fs->log, GP_ERR_DATA,
+                           "%s: its primaries are not "
+                           "those of %s; convert one of them",
+                           s->path, f->path);
+}
+
+gp_status gp_read_source(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    struct gp_read_params p = gp_read_limits(&r->s->input.read);
+    char *name;
+    gp_status st = GP_ERR_USAGE;
+    if (!r->s->light.source)
+        return GP_OK;
+    GP_TRY(gp_job_beside(fs->log, fs->job, r->s->light.source, &name));
+    p.view = r->jobs->views_inside ? fs->job->view : NULL;
+    st = p.view ? gp_read_frame(NULL, &p, name, &fs->source) : GP_ERR_USAGE;
+    p.view = NULL; // a file without views is the light of each
+    if (st)
+        st = gp_read_frame(fs->log, &p, name, &fs->source);
+    free(name);
+    if (!st)
+        st = check_source(fs);
+    fs->facts.read.source = fs->source.path;
+out:
+    return st;
+}
+
+// -- the mask -------------------------------------------------------------------
+
+/* Makes a plane of `window` 1 less the values of *p, clamped to [0, 1]; 1
+ * outside of that. */
+static gp_status invert(const struct gp_log *log, struct gp_rect window,
+                        struct gp_plane *p)
+{
+    const struct gp_rect own = p->window, both = gp_rect_meet(window, own);
+    const size_t w = (size_t) gp_rect_w(window),
+                 n = w * (size_t) gp_rect_h(window);
+    float *v;
+    const gp_status st = gp_alloc(log, "source mask", n, sizeof *v, &v);
+    if (st)
+        return st;
+    for (size_t i = 0; i < n; i++)
+        v[i] = 1.0f;
+    for (int y = both.y0; y < both.y1; y++) {
+        float *const to = v + (size_t) (y - window.y0) * w;
+        const float *const from =
+            p->v + (size_t) (y - own.y0) * (size_t) gp_rect_w(own);
+        for (int x = both.x0; x < both.x1; x++) {
+            const float m = from[x - own.x0];
+            to[x - window.x0] = m > 0.0f ? 1.0f - gp_minf(m, 1.0f) : 1.0f;
+        }
+    }
+    gp_free(p->v);
+    p->v = v;
+    p->window = window;
+    return GP_OK;
+}
+
+gp_status gp_read_source_mask(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_log *const log = fs->log;
+    const struct gp_read_params *const p = &r->s->input.read;
+    struct gp_plane *const mask = &fs->source_mask;
+    struct glarepp_image v = GLAREPP_IMAGE;
+    char *name = NULL;
+    gp_status st;
+    if (!r->s->light.mask)
+        return GP_OK;
+    const struct gp_mask_word m = gp_mask_word_of(r->s->light.mask);
+    if (m.crypto) {
+        GP_TRY(gp_read_crypto(log, p, &fs->file, m.word, mask));
+    } else {
+        GP_TRY(gp_job_beside(log, fs->job, m.word, &name));
+        GP_TRY(gp_read_mask(log, p, &fs->file, m.word, name, mask));
+    }
+    if (m.inverted)
+        GP_TRY(invert(log, fs->file.data, mask));
+    fs->facts.read.mask = mask->name;
+    v.plane[0] = mask->v;
+    v.data = (struct glarepp_rect) {mask->window.x0, mask->window.y0,
+                                    mask->window.x1, mask->window.y1};
+    st = (gp_status) glarepp_frame_set(fs->frame, GLAREPP_SOURCE_MASK, &v);
+out:
+    free(name);
+    return st;
+}
