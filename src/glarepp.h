@@ -364,12 +364,15 @@ struct glarepp_layer_params {
     int group, cluster;    // pixels a side, powers of two to 64; 1 and 0: off
     float cluster_fill;    // bright share from which an area is one polygon
     float shrink; // share of light that polygons may leave out, to 0.99
+    // COMPOSE or DONE makes of the layer, once, tint (Y + saturation (layer - Y)),
+    // Y its luminance, and 0 of less; bounds and errors are of it before that
+    float tint[3], saturation; // 0 to 1e6; 0 to 10
 };
 #define GLAREPP_LAYER_PARAMS                                                   \
     {                                                                          \
         sizeof(struct glarepp_layer_params), "auto", 1e-3f, 0.0f, false, 1.0f, \
             GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f,      \
-            1e-3f                                                              \
+            1e-3f, {1.0f, 1.0f, 1.0f}, 1.0f                                    \
     }
 
 // -- lights -------------------------------------------------------------------
@@ -620,7 +623,8 @@ enum glarepp_step {
 
 /* Runs a step. Steps before it that others do not need may be left out: without
  * LAYER, COMPOSE gives the frame as it is. A step may run again, which undoes
- * those after it; RELIGHT may not, nor FLARE and LENS without a new LAYER.
+ * those after it; RELIGHT may not, nor FLARE and LENS (after a tint neither)
+ * without a new LAYER.
  * Errors: those of the plan's parts; USAGE one that it needs was not run;
  * CANCELLED. */
 int glarepp_frame_run(struct glarepp_frame *frame,

@@ -185,6 +185,7 @@ static gp_status replace_layer(struct glarepp_frame *f,
     } else {
         gp_planes_free(&f->image.layer);
         f->image.layer = other.rgb;
+        f->tinted = true; // as one that is looked at is
         other.rgb = (struct gp_planes) {0};
     }
     gp_image_free(&other);

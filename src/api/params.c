@@ -48,6 +48,8 @@ static const struct range ranges[] = {
     LAYER(edges, 0, GLAREPP_MIRROR), LAYER(gl, 0, GLAREPP_EGL),
     LAYER(group, 1, 64), LAYER(cluster, 0, 64),
     LAYER(cluster_fill, FLT_MIN, 1), LAYER(shrink, 0, 0.99),
+    LAYER(tint[0], 0, 1e6), LAYER(tint[1], 0, 1e6), LAYER(tint[2], 0, 1e6),
+    LAYER(saturation, 0, 10),
     LIGHT(place, 0, GLAREPP_DIRECTION), LIGHT(at[0], -1e15, 1e15),
     LIGHT(at[1], -1e15, 1e15), LIGHT(at[2], -1e15, 1e15),
     LIGHT(radius, -1e9, 1e9), LIGHT(degrees, 0, 90), LIGHT(ball, 0, 1e15),

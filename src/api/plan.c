@@ -99,6 +99,10 @@ static gp_status take_layer(struct glarepp_plan *plan,
     plan->glare.splat.cluster_fill = p.cluster_fill;
     plan->glare.splat.shrink = p.shrink;
     plan->compose = (struct gp_compose_params) {.gain = p.gain, .mix = p.mix};
+    memcpy(plan->tint.tint, p.tint, sizeof p.tint);
+    plan->tint.saturation = p.saturation;
+    plan->tints = p.tint[0] != 1.0f || p.tint[1] != 1.0f || p.tint[2] != 1.0f ||
+                  p.saturation != 1.0f;
     plan->edges = p.edges;
     return keep(plan, &plan->glare.engine);
 }

@@ -77,6 +77,8 @@ struct glarepp_plan {
     struct glarepp_sense_params sense;
     struct gp_glare_params glare;
     struct gp_compose_params compose;
+    struct gp_tint_params tint;
+    bool tints; // it changes a layer
     enum glarepp_edges edges;
     bool lights; // a frame may have lights, its own or a scene's
     struct glarepp_light_params sun;
@@ -153,6 +155,7 @@ struct glarepp_frame {
                                    // value 1 in cd/m2, for eyes
     struct gp_made_kernel *kernel; // held; NULL: none was needed
     unsigned ran;                  // bits of steps since those before them
+    bool tinted;                   // image.layer has its colour
     bool composed;                 // image.lit was made
     struct gp_planes *converted;   // lit, in the output space, of the frame and
                                    // of its groups; owned

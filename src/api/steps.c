@@ -423,6 +423,7 @@ static gp_status add_layer(struct glarepp_frame *f)
     p.edges = edges_of(f, &f->sources);
     p.last = f->p.last;
     p.seen = f->p.noise;
+    f->tinted = false;
     if (light->n > 0)
         return gp_glare_run(&f->log, &p, &f->work->engines, light,
                             gp_api_kernel(f), &f->image, facts);
@@ -478,10 +479,24 @@ static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
         f->facts.engines_ms += gp_now_ms() - start;
         f->facts.engines_cpu_ms += gp_cpu_ms() - cpu;
     }
+    if (f->plan->tints)
+        gp_layer_tint(&f->plan->tint, &g->image);
     if (!st)
         st = gp_compose(&f->log, p, &g->sources, &g->image);
     gp_planes_free(&g->image.layer);
     return st;
+}
+
+#define BIT(step) (1u << GLAREPP_##step)
+
+/* Tints the layer once all of it is there: nothing more may be added to it. */
+static void tint(struct glarepp_frame *f)
+{
+    if (!f->plan->tints || f->tinted)
+        return;
+    gp_layer_tint(&f->plan->tint, &f->image);
+    f->tinted = true;
+    f->ran |= BIT(FLARE) | BIT(LENS);
 }
 
 /* Adds up the layer, before composing takes it or, without that, at the end. */
@@ -500,6 +515,7 @@ static gp_status compose(struct glarepp_frame *f)
     if (f->work->lights)
         p.dim = plan->sun.adapt * (float) gp_suns_mean(&f->work->lights->suns);
     p.last = f->p.layer_ends;
+    tint(f);
     note_flux(f);
     if (plan->ocio) {
         pthread_mutex_lock(&plan->lock);
@@ -521,10 +537,9 @@ static gp_status show(struct glarepp_frame *f)
                          : gp_tone_map(&f->log, &f->plan->tone, &f->image);
 }
 
-#define BIT(step) (1u << GLAREPP_##step)
-
 static gp_status finish(struct glarepp_frame *f)
 {
+    tint(f);
     if (f->work && !f->composed)
         note_flux(f);
     gp_api_give_back(f->plan, &f->work);

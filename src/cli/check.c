@@ -470,6 +470,8 @@ static void set_params(struct gp_settings *s)
     memcpy(k->centre, s->kernel.centre.v, sizeof k->centre);
     k->as_it_is = given && none;
     k->normalized = given && !none;
+    for (int c = 0; c < s->light.tint.n; c++)
+        s->light.layer.tint[c] = (float) s->light.tint.v[c];
     set_lights(&s->sun);
     s->scene.relight = s->sun.relight.at;
     s->scene.relights = s->sun.relight.n;

@@ -181,6 +181,14 @@ const struct gp_option gp_options[] = {
         "--layer; with --mix scatter, 1 moves all light of the sources, and "
         "more than 1 only brightens the glare",
         .usual = "Scale the glare: 0.5 for half of it"),
+    OPT(light.tint, .name = "tint", DRAWS(LIGHT), .arg = "R,G,B", .least = 3,
+        .most = 3, .hi = 1e6, .help = "Multiply the channels of the glare by "
+        "these, with flare and lens, in --layer too; what scatters leaves the "
+        "sources in its own colour"),
+    OPT(light.layer.saturation, .name = "layer-saturation", DRAWS(LIGHT),
+        .arg = "S", .hi = 10, .help = "Saturate the glare before --tint: 0 "
+        "makes it grey, 2 doubles its distance from grey, and less than 0 "
+        "becomes 0; in --layer too"),
     CHOICE(light.layer.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
     CHOICE(light.layer.edges, .name = "edges", DRAWS(LIGHT), .arg = "HOW",

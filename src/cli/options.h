@@ -87,6 +87,7 @@ struct gp_output_settings {
 struct gp_light_settings {
     const char *style;                 // a word of gp_styles
     struct glarepp_sense_params sense;
+    struct gp_numbers tint;            // ... of layer
     struct glarepp_layer_params layer; // edges, where not given: black with add
 };
 

@@ -427,6 +427,42 @@ out:
     return st;
 }
 
+// -- the layer's colour --------------------------------------------------------
+
+struct tinting {
+    const struct gp_tint_params *p;
+    struct gp_image *f;
+};
+
+/* In double, where no luminance overflows, and white stays as it is. */
+GP_CLONES static void tint_row(void *ctx, int y, int thread)
+{
+    const struct tinting *const m = ctx;
+    const size_t w = (size_t) gp_image_w(m->f), at = (size_t) y * w;
+    const float *const weight = m->f->luminance;
+    const double s = (double) m->p->saturation;
+    float *const v[3] = {m->f->layer.c[0] + at, m->f->layer.c[1] + at,
+                         m->f->layer.c[2] + at};
+    (void) thread;
+    for (size_t x = 0; x < w; x++) {
+        const double grey = (1.0 - s) * ((double) weight[0] * (double) v[0][x] +
+                                         (double) weight[1] * (double) v[1][x] +
+                                         (double) weight[2] * (double) v[2][x]);
+        for (int c = 0; c < 3; c++)
+            v[c][x] = (float) gp_mind(
+                gp_maxd((double) m->p->tint[c] * (grey + s * (double) v[c][x]),
+                        0.0),
+                (double) FLT_MAX);
+    }
+}
+
+void gp_layer_tint(const struct gp_tint_params *p, struct gp_image *f)
+{
+    struct tinting m = {p, f};
+    if (f->layer.c[0])
+        gp_parallel_do(gp_image_h(f), tint_row, &m);
+}
+
 // -- adding the layer to the frame --------------------------------------------
 //
 // Rows share nothing, so the result is the same for any number of threads.
