@@ -120,10 +120,12 @@ const struct gp_option gp_options[] = {
     OPT(input.read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
         .help = "Read the colour from this part of a multi-part file, by "
                 "name or number from 0"),
-    OPT(input.light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
+    OPT(input.light_groups, .name = "light-group", IN(INPUT),
+        .arg = "NAME[:kernel=K,gain=G]",
         .help = "Spread the light of this EXR layer in place of the frame's "
         "own; may be given more than once; --hdr adds to each layer its own "
-        "glare"),
+        "glare. After a colon a kernel of its own, a word as of --kernel, and "
+        "a gain, 0 to 1e6, which --layer has too"),
     OPT(input.read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40, .aside = true, .help = "Refuse files whose "
         "data or display window has more than N pixels; in files other than "

@@ -62,12 +62,22 @@ struct gp_texts {
     int n;
 };
 
+/* A layer that glares. */
+struct gp_light_group {
+    const char *name;
+    const char *kernel; // a word; NULL: those of --kernel
+    int more;           // 0, or from 1 which of group_kernels
+    float gain;
+};
+
 /* Frames to read. */
 struct gp_input_settings {
     struct gp_texts files;
     const char *frames, *views;        // lists as given; NULL: not given
     struct gp_read_params read;
-    struct gp_texts light_groups;      // layers that glare
+    struct gp_texts light_groups;      // layers that glare, as given
+    struct gp_light_group *group;      // ... as read; owned
+    struct gp_texts group_kernels;     // words of these, each once
     const char *depth;                 // channel
     bool skip_bad_frames;
 };
@@ -330,6 +340,10 @@ const struct gp_option_choice *gp_option_chosen(const struct gp_option *o,
 
 /* True when a word of --kernel or --check is a path, not a recipe. */
 bool gp_kernel_is_file(const char *word);
+
+/* Copies the path that kernel i names, of --kernel or after these of
+ * --light-group, to `path` of PATH_MAX bytes, or "". False after the last. */
+bool gp_kernel_file(const struct gp_settings *s, int i, char *path);
 
 /* True when a frame may have lights: an option names one, a file or a scene. */
 bool gp_lights_wanted(const struct gp_settings *s);

@@ -15,6 +15,7 @@
 void gp_settings_free(struct gp_settings *s)
 {
     GP_FREE(s->words.all);
+    GP_FREE(s->input.group);
 }
 
 // -- values ------------------------------------------------------------------
@@ -385,9 +386,11 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     out->words.argv = argv;
     out->words.argc = argc;
     struct gp_texts *const lists[] = {
-        &out->input.files, &out->output.pictures, &out->output.hdr,
-        &out->output.layer, &out->input.light_groups, &out->kernel.words,
-        &out->sun.relight, &out->tone.context, &out->words.options,
+        &out->input.files,        &out->output.pictures,
+        &out->output.hdr,         &out->output.layer,
+        &out->input.light_groups, &out->input.group_kernels,
+        &out->kernel.words,       &out->sun.relight,
+        &out->tone.context,       &out->words.options,
     };
     enum { LISTS = sizeof lists / sizeof *lists };
     const size_t room = 2 * (size_t) argc + GP_STYLE_WORDS;

@@ -83,13 +83,19 @@ static void print_value(FILE *f, const struct gp_settings *s,
 {
     const bool config = strcmp(o->arg, "CONFIG") == 0;
     const char *const is = strchr(value, '=');
-    const char *const file = strstr(value, "file="); // of a kernel's recipe
+    const bool group =
+        o->at == offsetof(struct gp_settings, input.light_groups);
+    const char *const own = group ? strstr(value, "kernel=") : NULL;
+    const char *const kernel = own ? own + 7 : value;
+    const char *const file = strstr(kernel, "file="); // of a kernel's recipe
     if (config)
         value = s->tone.map.config; // of env, too
-    if (file && o->kind == GP_KIND_TEXTS && !gp_kernel_is_file(value))
+    if (file && o->kind == GP_KIND_TEXTS && !gp_kernel_is_file(kernel))
         print_word(f, value, (size_t) (file + 5 - value), base_name(file + 5));
     else if ((config || strstr(o->arg, "FILE")) && !strstr(value, "://"))
         print_word(f, "", 0, base_name(value));
+    else if (own)
+        print_word(f, value, (size_t) (kernel - value), base_name(kernel));
     else if (is && is[1] == '/') // NAME=/some/folder/file
         print_word(f, value, (size_t) (is + 1 - value), base_name(value));
     else
@@ -287,6 +293,14 @@ static const struct row relit_rows[] = {
     {0},
 };
 
+static const struct row group_rows[] = {
+    OF(gp_light_group, "group_glare.name", name),
+    OF(gp_light_group, "group_glare.kernel", kernel,
+       BYTES(gp_light_group, kernel)),
+    OF(gp_light_group, "group_glare.gain", gain),
+    {0},
+};
+
 #define PLACED BYTES(glarepp_share, behind), .unless = true
 static const struct row light_rows[] = {
     OF(glarepp_share, "lights.name", name[0], BYTES(glarepp_share, name[0])),
@@ -327,6 +341,8 @@ static const struct row made_rows[] = {
     FACT("window", read.window.x0, INTS(4)),
     FACT("window_read", read.file.x0, IF(read.grown), INTS(4)),
     LIST("light_groups", TEXT, read.group, read.groups, IF(read.groups)),
+    LIST("group_glare", OBJECT, read.group, read.groups, IF(read.grouped),
+         .rows = group_rows),
     SOME("engine", lib.layer.engine),
     FACT("engine_why", lib.layer.why[0], IF(lib.layer.engine)),
     FACT("threshold", lib.sense.threshold),
@@ -434,7 +450,8 @@ static const struct row end_rows[] = {
 const char *gp_report_field(int i)
 {
     static const struct row *const all[] = {
-        job_rows, made_rows, relit_rows, light_rows, ocio_rows, end_rows,
+        job_rows,   made_rows, group_rows, relit_rows,
+        light_rows, ocio_rows, end_rows,
     };
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
         for (const struct row *r = all[k]; r->name; r++) {

@@ -355,6 +355,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     struct gp_mirrored m = {0};
     struct gp_glare_params params = *p;
     struct gp_image wide = {.path = f->path};
+    struct gp_sources taken = {0};
     const int w = src->w, h = src->h;
     const bool pixel = p->tolerance_pixel > 0.0f;
     memcpy(wide.luminance, f->luminance, sizeof wide.luminance);
@@ -362,14 +363,20 @@ gp_status gp_glare_run(const struct gp_log *log,
     wide.data = (struct gp_rect) {0, 0, m.src.w, m.src.h};
     wide.rgb = m.rgb;
     params.edges = m.edges;
-    // what scatters is the picture, for which the edges are made
-    params.taken = p->taken ? m.edges.picture : NULL;
+    // what scatters is the picture, for which the edges are made, or a part of it
+    if (p->taken && p->taken != p->edges.picture) {
+        GP_TRY(gp_mirror_sources(log, p->taken, m.reach, &taken));
+        params.taken = &taken;
+    } else if (p->taken) {
+        params.taken = m.edges.picture;
+    }
     GP_TRY(run_picture(log, &params, g, &m.src, kernel, &wide, stats));
     if (!f->layer.c[0])
         GP_TRY(gp_planes_make(log, "layer", gp_image_pixels(f), &f->layer));
     cut_planes(&wide.layer, m.reach, w, h, &f->layer);
 out:
     gp_planes_free(&wide.layer);
+    gp_sources_free(&taken);
     gp_mirrored_free(&m);
     return st;
 }
