@@ -124,7 +124,7 @@ const struct gp_option gp_options[] = {
         .arg = "NAME[:kernel=K,gain=G]",
         .help = "Spread the light of this EXR layer in place of the frame's "
         "own; may be given more than once; --hdr adds to each layer its own "
-        "glare. After a colon a kernel of its own, a word as of --kernel, and "
+        "glare; a colon may be followed by a kernel, a word of --kernel, and "
         "a gain, 0 to 1e6, which --layer has too"),
     OPT(input.read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40, .aside = true, .help = "Refuse files whose "
