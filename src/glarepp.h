@@ -78,7 +78,8 @@ struct glarepp_message {
     const char *parameter; // field that is wrong or helps, "layer.tolerance";
                            // "": none. A word may follow, where messages about
                            // one field differ: "layer.gl.osmesa". Of kernels I
-                           // to before J of a plan, "kernel.word I J FIELD"
+                           // to before J of a plan, "kernel.word I J FIELD"; of
+                           // its more[K], "plan.more K FIELD"
     const char *text;      // one sentence: what is wrong (what was found)
     bool bare;             // an error that names no file
     void *user;            // of the frame it is about; NULL: none
@@ -131,8 +132,7 @@ struct glarepp_params {
 struct glarepp; // a context
 
 /* Opens a context; *p may go afterwards. Errors: USAGE threads, BUG. */
-int glarepp_open(const struct glarepp_params *p,
-                             struct glarepp **out);
+int glarepp_open(const struct glarepp_params *p, struct glarepp **out);
 /* Ends it. Its plans, kernels and frames must be ended before. */
 void glarepp_close(struct glarepp **gp);
 
@@ -231,8 +231,7 @@ void glarepp_kernel_end(struct glarepp_kernel **kernel);
 /* Returns the i-th recipe with every key that is not at its preset: parsing it
  * gives the same kernel, byte for byte. NULL after the last, or of an image.
  * Valid as long as the kernel. */
-const char *glarepp_kernel_recipe(const struct glarepp_kernel *k,
-                                              int i);
+const char *glarepp_kernel_recipe(const struct glarepp_kernel *k, int i);
 
 /* Returns the share of a pixel's light that it takes and spreads. */
 double glarepp_kernel_share(const struct glarepp_kernel *k);
@@ -364,12 +363,15 @@ struct glarepp_layer_params {
     int group, cluster;    // pixels a side, powers of two to 64; 1 and 0: off
     float cluster_fill;    // bright share from which an area is one polygon
     float shrink; // share of light that polygons may leave out, to 0.99
+    // COMPOSE or DONE makes of the layer, once, tint (Y + saturation (layer - Y)),
+    // Y its luminance, and 0 of less; bounds and errors are of it before that
+    float tint[3], saturation; // 0 to 1e6; 0 to 10
 };
 #define GLAREPP_LAYER_PARAMS                                                   \
     {                                                                          \
         sizeof(struct glarepp_layer_params), "auto", 1e-3f, 0.0f, false, 1.0f, \
             GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f,      \
-            1e-3f                                                              \
+            1e-3f, {1.0f, 1.0f, 1.0f}, 1.0f                                    \
     }
 
 // -- lights -------------------------------------------------------------------
@@ -520,10 +522,14 @@ struct glarepp_plan_params {
     const struct glarepp_lens_params *lens;
     const struct glarepp_scene_params *scene;
     const struct glarepp_tone_params *tone;
+    const struct glarepp_kernel *const *more; // `mores` of groups; they must
+    int mores;                                // outlive the plan
 };
 #define GLAREPP_PLAN_PARAMS                                                   \
-    { sizeof(struct glarepp_plan_params), NULL, 0.0, 0.0, NULL, NULL, NULL,   \
-      NULL, NULL, NULL }
+    {                                                                         \
+        sizeof(struct glarepp_plan_params), NULL, 0.0, 0.0, NULL, NULL, NULL, \
+            NULL, NULL, NULL, NULL, 0                                         \
+    }
 
 struct glarepp_plan;
 
@@ -562,6 +568,13 @@ int glarepp_execute(struct glarepp_plan *plan,
 
 // -- frames, step by step -----------------------------------------------------
 
+/* The kernel of a group, 0 the plan's, k its more[k - 1]; and its gain, 0 to 1e6,
+ * which the layer has: lit = in - min(gain own, 1) source + gain own layer. */
+struct glarepp_group {
+    int kernel;
+    float gain;
+};
+
 /* A frame, and what its file says of it; 0: it says nothing. */
 struct glarepp_frame_params {
     size_t size;
@@ -594,13 +607,14 @@ struct glarepp_frame_params {
                                  // of the layer, the truth
     void *user;                  // of messages about it
     bool parts;                  // PART_* are wanted
+    const struct glarepp_group *how; // of each group; NULL: {0, 1}
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
     {                                                                         \
         sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0},     \
             false, NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0}, \
             GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, 4e-4f, false, false, false, \
-            NULL, false                                                       \
+            NULL, false, NULL                                                 \
     }
 
 struct glarepp_frame;
@@ -613,8 +627,7 @@ void glarepp_frame_end(struct glarepp_frame **frame);
 
 /* Pixels that the kernel of a frame reaches left, up, right and down, to grow a
  * frame by: of models, which have no end, as far as their core. */
-struct glarepp_rect glarepp_frame_reach(
-    struct glarepp_frame *frame);
+struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *frame);
 
 /* Steps, in their order. One that the plan has nothing to do for is free. */
 enum glarepp_step {
@@ -637,11 +650,11 @@ enum glarepp_step {
 
 /* Runs a step. Steps before it that others do not need may be left out: without
  * LAYER, COMPOSE gives the frame as it is. A step may run again, which undoes
- * those after it; RELIGHT may not, nor FLARE and LENS without a new LAYER.
+ * those after it; RELIGHT may not, nor FLARE and LENS (after a tint neither)
+ * without a new LAYER.
  * Errors: those of the plan's parts; USAGE one that it needs was not run;
  * CANCELLED. */
-int glarepp_frame_run(struct glarepp_frame *frame,
-                                  enum glarepp_step step);
+int glarepp_frame_run(struct glarepp_frame *frame, enum glarepp_step step);
 
 /* Planes of a frame. */
 enum glarepp_view {
@@ -685,8 +698,7 @@ int glarepp_frame_view(struct glarepp_frame *frame,
 
 /* Frees planes that the library made, and gives back those that were set: bits
  * 1 << view. */
-void glarepp_frame_drop(struct glarepp_frame *frame,
-                                    unsigned views);
+void glarepp_frame_drop(struct glarepp_frame *frame, unsigned views);
 
 // -- facts --------------------------------------------------------------------
 
@@ -843,7 +855,7 @@ struct glarepp_lens {
 /* Reads a prescription: JSON, or an installed name.
  * Errors: IO; DATA it is none; USAGE it cannot be focused. */
 int glarepp_lens(struct glarepp *gp, const char *lens,
-                             struct glarepp_lens *out);
+                 struct glarepp_lens *out);
 void glarepp_lens_end(struct glarepp_lens *lens);
 
 /* Draws it in section, with the rays of a ghost (or NULL), as SVG. Returns the

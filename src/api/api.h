@@ -8,6 +8,7 @@
  *   plan.c     plans: parameters of the rooms, and what frames share
  *   frame.c    frames: beginning and end, views and facts
  *   steps.c    their steps, in order
+ *   groups.c   light groups, and layers of several kernels
  *   light.c    suns and lamps of a frame, their shares and flare
  *   lens.c     ghosts of a lens
  *   scene.c    the scene of a frame, and its light

@@ -30,6 +30,12 @@ static gp_status import_groups(struct glarepp_frame *f,
             return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.group",
                               "%s: the window of group %d is another",
                               f->sink.name, f->groups + 1);
+        g->how = p->how ? p->how[f->groups] : (struct glarepp_group) {0, 1.0f};
+        GP_TRY(gp_api_check(&f->log, "group", &g->how));
+        if (g->how.kernel > f->plan->mores)
+            return gp_fail_at(&f->log, GP_ERR_USAGE, "group.kernel",
+                              "%s: the plan has no such kernel (found %d)",
+                              f->sink.name, g->how.kernel);
         GP_TRY(gp_api_import(&f->log, from, p->in_place, &g->image));
         g->borrowed = g->image.rgb.c[0] == from->plane[0];
     }
@@ -103,8 +109,12 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         f->image.rgb = (struct gp_planes) {0};
     if (views & 1u << GLAREPP_SOURCES) {
         gp_sources_free(&f->sources);
+        gp_sources_free(&f->rest);
+        gp_sources_free(&f->taken);
         gp_sources_free(&f->joined);
         gp_sources_free(&f->whole);
+        for (int i = 0; f->more && i < f->plan->mores; i++)
+            gp_sources_free(&f->more[i].sources);
     }
     if (views & 1u << GLAREPP_TRUTH)
         GP_FREE(f->exact);
@@ -134,6 +144,9 @@ void glarepp_frame_end(struct glarepp_frame **frame)
     gp_free(f->group);
     gp_free(f->converted);
     gp_made_kernel_free(&f->kernel);
+    for (int i = 0; f->more && i < f->plan->mores; i++)
+        gp_made_kernel_free(&f->more[i].kernel);
+    gp_free(f->more);
     gp_free(f->share);
     gp_free(f->relit);
     gp_image_free(&f->image);
@@ -190,6 +203,7 @@ static gp_status replace_layer(struct glarepp_frame *f,
     } else {
         gp_planes_free(&f->image.layer);
         f->image.layer = other.rgb;
+        f->tinted = true; // as one that is looked at is
         other.rgb = (struct gp_planes) {0};
     }
     gp_image_free(&other);
@@ -257,10 +271,11 @@ static gp_status draw_polygons(struct glarepp_frame *f)
         st = gp_planes_make(&f->log, "polygons", n, &f->polygons);
     for (int c = 0; c < 3 && !st; c++)
         memcpy(f->polygons.c[c], under->c[c], n * sizeof(float));
-    return st || !f->sources.n
+    return st || !gp_api_bright(f)->n
                ? st
-               : gp_polygons_outline(&f->log, &f->sources, gp_api_kernel(f),
-                                     &f->plan->glare.splat, &f->polygons);
+               : gp_polygons_outline(&f->log, gp_api_bright(f),
+                                     gp_api_kernel(f), &f->plan->glare.splat,
+                                     &f->polygons);
 }
 
 /* Makes a picture of the lights' maps. */

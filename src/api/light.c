@@ -6,8 +6,10 @@
 #include "core/luminance.h"
 #include "core/maths.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -183,7 +185,7 @@ static void warn_of_hidden(struct glarepp_frame *f, const struct gp_light *l)
     for (int c = 0; c < 3; c++)
         own += image->luminance[c] * image->rgb.c[c][at];
     if (own > f->sources.threshold && depth < l->depth &&
-        gp_api_says(f->plan, GP_SAID_HIDDEN))
+        gp_api_says(&f->plan->said, GP_SAID_HIDDEN))
         gp_say_at(&f->log, GP_LEVEL_WARN, "lights.depth_there",
                   "%s: the light %s at %.1f,%.1f is hidden by bright pixels at "
                   "its own place (depth %.6g, the light's %.6g)", f->sink.name,
@@ -209,7 +211,7 @@ void gp_api_warn_of_lights(struct glarepp_frame *f)
         if (brightest < 0.0)
             brightest = (double) gp_luminance_peak(&f->image, at);
         if (own > MANY * brightest && brightest > 0.0 &&
-            gp_api_says(f->plan, GP_SAID_BRIGHT))
+            gp_api_says(&f->plan->said, GP_SAID_BRIGHT))
             gp_say_at(&f->log, GP_LEVEL_WARN, "lights.flux",
                       "%s: the light %s is %.0f times as bright as the brightest "
                       "pixel (%.3g a pixel, %.3g)", f->sink.name,
@@ -306,21 +308,22 @@ static void add_row(void *ctx, int y, int thread)
                            (size_t) row * (size_t) gp_rect_w(to);
         for (int x = first; x < end; x++) {
             own += (double) v[x] * (double) v[x];
-            out[x - first] += v[x];
+            out[x - first] =
+                gp_maxf(gp_minf(out[x - first] + v[x], FLT_MAX), -FLT_MAX);
         }
     }
     a->sum[2 * y] = all;
     a->sum[2 * y + 1] = own;
 }
 
-/* Adds a run's layer; squared norms of it and of its part in the image. */
-static gp_status add_layer(const struct gp_log *log,
-    const struct gp_image *from, struct gp_image *image, double norm2[2])
+gp_status gp_api_add_layer(const struct gp_log *log,
+                           const struct gp_image *from, struct gp_image *image,
+                           double norm2[2])
 {
     const int h = gp_image_h(from);
     struct adding a = {from, image, NULL};
-    const gp_status st = gp_alloc(log, "flare of bright pixels",
-                                  2 * (size_t) h, sizeof *a.sum, &a.sum);
+    const gp_status st =
+        gp_alloc(log, "layer", 2 * (size_t) h, sizeof *a.sum, &a.sum);
     if (st)
         return st;
     gp_parallel_do(h, add_row, &a);
@@ -330,6 +333,17 @@ static gp_status add_layer(const struct gp_log *log,
     }
     gp_free(a.sum);
     return GP_OK;
+}
+
+double gp_api_error_of(double bound, double norm2)
+{
+    // the exact layer's norm is at most that of the layer / (1 - bound)
+    return bound < 1.0 ? bound * sqrt(norm2) / (1.0 - bound) : INFINITY;
+}
+
+double gp_api_bound_of(double error, double norm)
+{
+    return error < norm ? error / (norm - error) : INFINITY;
 }
 
 /* Adds one run's layer; norm2 and *stats stay 0 where it has no light. */
@@ -349,7 +363,7 @@ static gp_status add_run(struct glarepp_frame *f, const struct gp_sources *src,
         st = gp_glare_run(&f->log, &p, &ghosts->engine[i], &moved, &run->kernel,
                           &window, stats);
     if (!st && moved.n)
-        st = add_layer(&f->log, &window, image, norm2);
+        st = gp_api_add_layer(&f->log, &window, image, norm2);
     gp_planes_free(&window.layer);
     gp_sources_free(&moved);
     return st;
@@ -386,15 +400,11 @@ gp_status gp_api_ghosts_add(struct glarepp_frame *f,
                             ? stats.engine : "several";
         facts->elements += run->elements;
         facts->runs++;
-        // the exact layer's norm is at most that of the run / (1 - bound)
-        error += stats.bound < 1.0
-                     ? stats.bound * sqrt(norm2[0]) / (1.0 - stats.bound)
-                     : INFINITY;
-        error += run->split * sqrt(norm2[0]);
+        error += gp_api_error_of(stats.bound, norm2[0]) +
+                 run->split * sqrt(norm2[0]);
         light += norm2[1]; // no layer is negative: their sum has no less
     }
-    facts->bound = error < sqrt(light) ? error / (sqrt(light) - error)
-                                       : INFINITY;
+    facts->bound = gp_api_bound_of(error, sqrt(light));
     facts->ms = gp_now_ms() - start;
 out:
     return st;

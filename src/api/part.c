@@ -12,35 +12,47 @@
 
 // -- veil and core ------------------------------------------------------------
 
+/* Moves what a kernel leaves in the pixels of sources from the veil to the core. */
+static void move_core(struct glarepp_frame *f, const struct gp_sources *s,
+                      const struct gp_kernel *k)
+{
+    const bool inside =
+        k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
+    for (int c = 0; c < 3 && s->n && inside; c++) {
+        float *const veil = f->part[0].c[c], *const core = f->part[1].c[c];
+        const float centre = k->k.c[c][(size_t) k->cy * (size_t) k->w +
+                                       (size_t) k->cx];
+        for (int y = 0; y < s->h; y++) {
+            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+                const size_t p =
+                    (size_t) y * (size_t) s->w + (size_t) s->x[i];
+                core[p] += s->rgb[c][i] * centre;
+                veil[p] -= s->rgb[c][i] * centre;
+            }
+        }
+    }
+}
+
 /* Keeps veil and core of a layer without flare and ghosts. */
 static gp_status keep_glare(struct glarepp_frame *f)
 {
-    const struct gp_sources *const s = f->joined.n ? &f->joined : &f->sources;
-    const struct gp_kernel *const k = gp_api_kernel(f);
     const size_t n = gp_image_pixels(&f->image);
-    const bool inside =
-        k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
     gp_status st = GP_OK;
     for (int i = 0; i < 2 && !st; i++) {
         gp_planes_free(&f->part[i]);
         st = gp_planes_make(&f->log, "parts", n, &f->part[i]);
     }
-    for (int c = 0; c < 3 && !st; c++) {
-        float *const veil = f->part[0].c[c], *const core = f->part[1].c[c];
-        const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
-        const float centre = inside ? k->k.c[c][at] : 0.0f;
-        memcpy(veil, f->image.layer.c[c], n * sizeof *veil);
-        memset(core, 0, n * sizeof *core);
-        for (int y = 0; y < s->h && s->n; y++) {
-            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-                const size_t p =
-                    (size_t) y * (size_t) s->w + (size_t) s->x[i];
-                core[p] = s->rgb[c][i] * centre;
-                veil[p] -= core[p];
-            }
-        }
+    if (st)
+        return st;
+    for (int c = 0; c < 3; c++)
+        memcpy(f->part[0].c[c], f->image.layer.c[c], n * sizeof(float));
+    gp_planes_clear(&f->part[1], 0, n);
+    move_core(f, gp_api_light(f), gp_api_kernel(f));
+    for (int i = 0; f->more && i < f->plan->mores; i++) {
+        if (f->more[i].kernel)
+            move_core(f, &f->more[i].sources, &f->more[i].kernel->k);
     }
-    return st;
+    return GP_OK;
 }
 
 // -- flare and ghosts ---------------------------------------------------------

@@ -99,6 +99,10 @@ static gp_status take_layer(struct glarepp_plan *plan,
     plan->glare.splat.cluster_fill = p.cluster_fill;
     plan->glare.splat.shrink = p.shrink;
     plan->compose = (struct gp_compose_params) {.gain = p.gain, .mix = p.mix};
+    memcpy(plan->tint.tint, p.tint, sizeof p.tint);
+    plan->tint.saturation = p.saturation;
+    plan->tints = p.tint[0] != 1.0f || p.tint[1] != 1.0f || p.tint[2] != 1.0f ||
+                  p.saturation != 1.0f;
     plan->edges = p.edges;
     return keep(plan, &plan->glare.engine);
 }
@@ -188,35 +192,49 @@ out:
  * only their smooth part is left. */
 enum { MODEL_REACH = 2 * GP_FAR_CORE + 1 };
 
-/* Takes the kernel; of an image makes the first one, as a bad one is an error
+/* Takes a kernel; of an image makes the first one, as a bad one is an error
  * whatever the frames hold. */
 static gp_status take_kernel(struct glarepp_plan *plan,
-                             const struct glarepp_plan_params *p)
+                             const struct gp_kernel_request *request,
+                             struct gp_api_plan_kernel *out)
 {
     const struct gp_image square =
         gp_image_blank((struct gp_rect) {0, 0, 1, 1});
     struct gp_made_kernel *first;
-    gp_status st = GP_OK;
+    gp_status st;
     bool made;
-    gp_api_about("kernel");
-    if (!p->kernel)
-        st = (gp_status) glarepp_kernel(plan->gp, NULL, &plan->own);
-    if (st)
-        return st;
-    plan->request = &(p->kernel ? p->kernel : plan->own)->request;
-    GP_TRY(gp_kernels_make(&plan->log, plan->request, &plan->kernels));
-    plan->reach = (struct gp_rect) {MODEL_REACH, MODEL_REACH, MODEL_REACH,
-                                    MODEL_REACH};
-    if (plan->request->recipes)
+    out->request = request;
+    GP_TRY(gp_kernels_make(&plan->log, request, &out->kept));
+    out->reach =
+        (struct gp_rect) {MODEL_REACH, MODEL_REACH, MODEL_REACH, MODEL_REACH};
+    if (request->recipes)
         return GP_OK;
     struct gp_field field = gp_field_of(&square, 0.0);
     field.rotate = plan->rotate;
-    GP_TRY(gp_kernels_take(&plan->log, plan->kernels, NULL, &field, &made,
-                           &first));
+    GP_TRY(gp_kernels_take(&plan->log, out->kept, NULL, &field, &made, &first));
     const struct gp_kernel *const k = &first->k;
-    plan->reach = (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx,
-                                    k->h - 1 - k->cy};
+    out->reach =
+        (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx, k->h - 1 - k->cy};
     gp_made_kernel_free(&first);
+out:
+    return st;
+}
+
+/* Takes the plan's kernel and those of groups. */
+static gp_status take_kernels(struct glarepp_plan *plan,
+                              const struct glarepp_plan_params *p)
+{
+    gp_status st;
+    gp_api_about("kernel");
+    GP_TRY(gp_alloc_zero(&plan->log, "kernels", 1 + (size_t) p->mores,
+                         sizeof *plan->kernel, &plan->kernel));
+    plan->mores = p->mores;
+    if (!p->kernel)
+        GP_TRY((gp_status) glarepp_kernel(plan->gp, NULL, &plan->own));
+    GP_TRY(take_kernel(plan, &(p->kernel ? p->kernel : plan->own)->request,
+                       plan->kernel));
+    for (int i = 0; i < p->mores; i++)
+        GP_TRY(take_kernel(plan, &p->more[i]->request, &plan->kernel[1 + i]));
 out:
     return st;
 }
@@ -238,9 +256,13 @@ static gp_status open_lens(struct glarepp_plan *plan)
                          p->f_number);
 }
 
-static void free_work(struct gp_api_work **work)
+static void free_work(const struct glarepp_plan *plan,
+                      struct gp_api_work **work)
 {
     struct gp_api_work *const w = *work;
+    for (int i = 0; w->more && i < plan->mores; i++)
+        gp_glare_close(&w->more[i]);
+    gp_free(w->more);
     gp_glare_close(&w->engines);
     gp_glare_close(&w->group_engines);
     if (w->lights)
@@ -263,6 +285,9 @@ gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
     if (w)
         return GP_OK;
     GP_TRY(gp_alloc_zero(&plan->log, "plan", 1, sizeof *w, &w));
+    if (plan->mores)
+        GP_TRY(gp_alloc_zero(&plan->log, "engines", (size_t) plan->mores,
+                             sizeof *w->more, &w->more));
     if (plan->lights || plan->sun.flare || plan->sun.found ||
         plan->lens_params.lens)
         GP_TRY(gp_api_lights_begin(plan, w));
@@ -272,7 +297,7 @@ gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
     w = NULL;
 out:
     if (w)
-        free_work(&w);
+        free_work(plan, &w);
     return st;
 }
 
@@ -352,7 +377,7 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
     if (plan->sun.outside == GLAREPP_BY_SCENE && !plan->scene.path)
         GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "lights.outside", "lights: "
                           "shares by a scene, and there is none"));
-    GP_TRY(take_kernel(plan, &p));
+    GP_TRY(take_kernels(plan, &p));
     GP_TRY(take_tone(plan, p.tone));
     GP_TRY(gp_api_lend(plan, &work)); // so that errors of it come first
     GP_TRY(open_lens(plan));
@@ -375,9 +400,11 @@ void glarepp_plan_end(struct glarepp_plan **handle)
     while (plan->work) {
         struct gp_api_work *w = plan->work;
         plan->work = w->next;
-        free_work(&w);
+        free_work(plan, &w);
     }
-    gp_kernels_free(&plan->kernels);
+    for (int i = 0; plan->kernel && i <= plan->mores; i++)
+        gp_kernels_free(&plan->kernel[i].kept);
+    gp_free(plan->kernel);
     glarepp_kernel_end(&plan->own);
     if (plan->ocio)
         gp_ocio_close(&plan->ocio);

@@ -56,13 +56,14 @@ struct gp_api_scene {
 /* The state that a plan lends to a frame while it computes. */
 struct gp_api_work {
     struct gp_glare engines, group_engines;
+    struct gp_glare *more;         // one for each of the plan's, owned
     struct gp_api_lights *lights;  // NULL: none, no flare and no scene is asked
                                    // for
     struct gp_api_scene *scene;    // NULL: none
     struct gp_api_work *next;      // that is not lent
 };
 
-/* Warnings that a plan gives once, as bits; those of kernels come first. */
+/* Warnings that a plan gives once, as bits; those of each kernel come first. */
 enum {
     GP_SAID_ANGLE = 1 << GP_KERNEL_RULES,
     GP_SAID_IMAGES = 2 << GP_KERNEL_RULES,
@@ -70,6 +71,14 @@ enum {
     GP_SAID_CAMERA = 8 << GP_KERNEL_RULES,
     GP_SAID_HIDDEN = 16 << GP_KERNEL_RULES,
     GP_SAID_BRIGHT = 32 << GP_KERNEL_RULES,
+};
+
+/* A kernel of a plan. */
+struct gp_api_plan_kernel {
+    const struct gp_kernel_request *request;
+    struct gp_kernels *kept;
+    struct gp_rect reach; // for one pixel
+    atomic_uint said;     // GP_SAID_*
 };
 
 struct glarepp_plan {
@@ -80,6 +89,8 @@ struct glarepp_plan {
     struct glarepp_sense_params sense;
     struct gp_glare_params glare;
     struct gp_compose_params compose;
+    struct gp_tint_params tint;
+    bool tints; // it changes a layer
     enum glarepp_edges edges;
     bool lights; // a frame may have lights, its own or a scene's
     struct glarepp_light_params sun;
@@ -91,9 +102,9 @@ struct glarepp_plan {
     int texts;                     // and lists of them
     // shared by frames
     struct glarepp_kernel *own;    // where the caller gave none
-    const struct gp_kernel_request *request;
-    struct gp_kernels *kernels;
-    struct gp_rect reach;          // of a kernel for one pixel
+    struct gp_api_plan_kernel
+        *kernel; // the plan's, then `mores` of groups; owned
+    int mores;
     struct gp_lens lens;           // not focused
     struct gp_ocio *ocio;          // NULL: tone maps
     pthread_mutex_t lock;          // of the next three, and of notes of `ocio`
@@ -121,9 +132,9 @@ static inline bool gp_api_spots(const struct glarepp_plan *plan,
 }
 
 /* Returns true, once a plan, for a warning. */
-static inline bool gp_api_says(struct glarepp_plan *plan, unsigned bit)
+static inline bool gp_api_says(atomic_uint *said, unsigned bit)
 {
-    return !(atomic_fetch_or(&plan->said, bit) & bit);
+    return !(atomic_fetch_or(said, bit) & bit);
 }
 
 /* Read the files of a plan, of light.c and scene.c. */
@@ -141,7 +152,14 @@ void gp_api_scene_end(struct gp_api_scene **scene);
 struct gp_api_group {
     struct gp_image image;
     bool borrowed;                 // image.rgb is the caller's
-    struct gp_sources sources;
+    struct glarepp_group how;
+    struct gp_sources sources; // without the gain
+};
+
+/* What another kernel than the plan's own spreads. */
+struct gp_api_run {
+    struct gp_sources sources;     // of groups, times their gains
+    struct gp_made_kernel *kernel; // held; NULL: no source
 };
 
 /* A picture to look at, of a size of its own. */
@@ -149,6 +167,8 @@ struct gp_api_picture {
     struct gp_planes planes;
     int w, h;
 };
+
+enum { GP_PARTS = 4 };
 
 struct glarepp_frame {
     struct glarepp_plan *plan;
@@ -161,18 +181,26 @@ struct glarepp_frame {
     int groups;
     struct gp_plane depth, mask, normal[3], albedo[3], source_mask;
     struct gp_api_work *work;      // lent, from the first step that needs it
-    struct gp_sources sources;     // of the frame, or of the groups together
-    struct gp_sources whole;       // ... before the mask; empty: no mask
-    struct gp_sources joined;      // sources and lights; empty: no lights
+    struct gp_sources sources;     // of the frame, or of the groups together,
+                                   // times their gains
+    struct gp_sources whole;       // ... before the mask; row NULL: no mask
+    struct gp_sources rest;        // of these, those of the plan's own kernel;
+                                   // row NULL: all
+    struct gp_sources taken;       // light that SCATTER takes from the frame;
+                                   // row NULL: sources
+    struct gp_sources joined;      // rest and lights; empty: no lights
+    struct gp_api_run *more; // one for each of the plan's; owned; NULL: no
+                             // group has another kernel
     double mean, white;            // luminance of the picture, and of scene
                                    // value 1 in cd/m2, for eyes
     struct gp_made_kernel *kernel; // held; NULL: none was needed
     unsigned ran;                  // bits of steps since those before them
+    bool tinted;                   // image.layer has its colour
     bool composed;                 // image.lit was made
     struct gp_planes *converted;   // lit, in the output space, of the frame and
                                    // of its groups; owned
     struct gp_planes sources_shown, polygons, truth;
-    struct gp_planes part[4];      // from GLAREPP_PART_VEIL on; p.parts
+    struct gp_planes part[GP_PARTS]; // from GLAREPP_PART_VEIL on; p.parts
     double *exact;                 // the layer in double, where it is kept; owned
     bool hidden;                   // work.lights knows depth and mask
     struct gp_api_picture sunmap, intensity;
@@ -187,6 +215,28 @@ gp_api_kernel(const struct glarepp_frame *f)
 {
     static const struct gp_kernel none;
     return f->kernel ? &f->kernel->k : &none;
+}
+
+/* The sources of the plan's own kernel: bright pixels, without lights; and with
+ * those whose share is known. */
+static inline const struct gp_sources *
+gp_api_bright(const struct glarepp_frame *f)
+{
+    return f->rest.row ? &f->rest : &f->sources;
+}
+static inline const struct gp_sources *
+gp_api_light(const struct glarepp_frame *f)
+{
+    return f->joined.n ? &f->joined : gp_api_bright(f);
+}
+
+/* The light that mix takes from the frame; NULL: none. */
+static inline const struct gp_sources *
+gp_api_taken(const struct glarepp_frame *f)
+{
+    return f->plan->compose.mix == GLAREPP_ADD ? NULL
+           : f->taken.row                      ? &f->taken
+                                               : &f->sources;
 }
 
 /* The vertical angle of view by the plan or the frame's or scene's camera; 0:
@@ -224,6 +274,33 @@ void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
  * dark. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_api_part_find(struct glarepp_frame *f,
                                          enum glarepp_view view);
+
+/* Groups, of groups.c. Finds their sources, in place of the frame's own. */
+GP_MUST_CHECK gp_status gp_api_sense_groups(struct glarepp_frame *f);
+
+/* Makes the frame's layer, by all of its kernels. */
+GP_MUST_CHECK gp_status gp_api_layers(struct glarepp_frame *f);
+
+/* The same in double: 3 w h numbers, to be freed with gp_free(). */
+GP_MUST_CHECK gp_status gp_api_exact(struct glarepp_frame *f, double **out);
+
+/* Adds glare to a group, so that groups which add up to the frame still do. */
+GP_MUST_CHECK gp_status gp_api_compose_group(struct glarepp_frame *f,
+                                             struct gp_api_group *g,
+                                             const struct gp_compose_params *p);
+
+/* Adds a layer, maybe of another window, to the image's, and to norm2 its squared
+ * norm and that of its part in the image. */
+GP_MUST_CHECK gp_status gp_api_add_layer(const struct gp_log *log,
+                                         const struct gp_image *from,
+                                         struct gp_image *image,
+                                         double norm2[2]);
+
+/* Bounds the norm of a layer's error by its bound and squared norm. */
+double gp_api_error_of(double bound, double norm2);
+
+/* Bounds rel_l2 of a layer by norms of its error and of itself, as it was made. */
+double gp_api_bound_of(double error, double norm);
 
 /* Adds flare of bright pixels for `src` to an image's layer. */
 GP_MUST_CHECK gp_status gp_api_ghosts_add(struct glarepp_frame *f,

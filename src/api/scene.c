@@ -163,7 +163,7 @@ static void warn_of_time(const struct glarepp_frame *f, double seconds)
     if (s->start == s->end ||
         (seconds >= s->start - 0.5 / USUAL_RATE &&
          seconds <= s->end + 0.5 / USUAL_RATE) ||
-        !gp_api_says(f->plan, GP_SAID_TIME))
+        !gp_api_says(&f->plan->said, GP_SAID_TIME))
         return;
     gp_say_at(&f->log, GP_LEVEL_WARN, "scene.start", "%s: %s is at %g s, its "
               "keys run from %g to %g s", f->plan->scene.path, f->sink.name,
@@ -180,7 +180,8 @@ static void compare_cameras(struct glarepp_frame *f, const char *name,
     facts->apart = gp_scene_apart(&own->scene, &own->frame_camera, theirs,
                                   f->image.display);
     facts->compared = true;
-    if (!(facts->apart > MOST_APART) || !gp_api_says(f->plan, GP_SAID_CAMERA))
+    if (!(facts->apart > MOST_APART) ||
+        !gp_api_says(&f->plan->said, GP_SAID_CAMERA))
         return;
     if (isfinite(facts->apart))
         snprintf(apart, sizeof apart, "are %.3g pixels apart", facts->apart);

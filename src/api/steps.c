@@ -16,55 +16,14 @@
 
 // -- sources ------------------------------------------------------------------
 
-/* The sources of the engines: bright pixels, and lights whose share is known. */
-static const struct gp_sources *all_light(const struct glarepp_frame *f)
+/* Multiplies a list of sources by the mask. */
+static gp_status mask_list(struct glarepp_frame *f, struct gp_sources *s)
 {
-    return f->joined.n ? &f->joined : &f->sources;
-}
-
-/* Finds each group's sources; their union replaces the frame's own. */
-static gp_status sense_groups(struct glarepp_frame *f)
-{
-    struct gp_sources *const src = &f->sources;
-    struct gp_sources none = {0}, all = {0};
-    struct glarepp_sense_params sense = f->plan->sense;
-    struct gp_source *list = NULL;
-    size_t n = 0;
-    gp_status st;
-    sense.threshold = src->threshold; // the frame's, for all of them
-    sense.unit = GLAREPP_LUMINANCE;
-    memset(src->faint, 0, sizeof src->faint);
-    for (int i = 0; i < f->groups; i++) {
-        struct gp_sources *const own = &f->group[i].sources;
-        GP_TRY(gp_sense(&f->log, &sense, &f->group[i].image, own));
-        src->nonfinite += own->nonfinite;
-        src->clamped += own->clamped;
-        for (int c = 0; c < 3; c++) {
-            src->faint[c] += own->faint[c];
-            src->flux_clamped[c] += own->flux_clamped[c];
-        }
-        n += own->n;
-    }
-    GP_TRY(gp_alloc(&f->log, "light of the groups", n, sizeof *list, &list));
-    n = 0;
-    for (int g = 0; g < f->groups; g++) {
-        const struct gp_sources *const s = &f->group[g].sources;
-        for (int y = 0; y < s->h; y++) {
-            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-                list[n++] = (struct gp_source) {
-                    s->x[i], y, {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]},
-                };
-        }
-    }
-    // keep the frame's geometry and counts, replace its light
-    GP_TRY(gp_sources_make(&f->log, src, 0, &none));
-    gp_sources_finish(&none);
-    GP_TRY(gp_sources_join(&f->log, &none, list, n, &all));
-    gp_sources_free(src);
-    *src = all;
-out:
-    gp_sources_free(&none);
-    gp_free(list);
+    struct gp_sources own = *s;
+    *s = (struct gp_sources) {0};
+    const gp_status st =
+        own.row ? gp_sources_mask(&f->log, &own, &f->source_mask, s) : GP_OK;
+    gp_sources_free(&own);
     return st;
 }
 
@@ -73,16 +32,17 @@ out:
  * add up to no mask. */
 static gp_status mask_sources(struct glarepp_frame *f)
 {
-    const struct gp_plane *const mask = &f->source_mask;
+    gp_status st;
     f->whole = f->sources;
     f->sources = (struct gp_sources) {0};
-    gp_status st = gp_sources_mask(&f->log, &f->whole, mask, &f->sources);
-    for (int i = 0; i < f->groups && !st; i++) {
-        struct gp_sources own = f->group[i].sources;
-        f->group[i].sources = (struct gp_sources) {0};
-        st = gp_sources_mask(&f->log, &own, mask, &f->group[i].sources);
-        gp_sources_free(&own);
-    }
+    GP_TRY(gp_sources_mask(&f->log, &f->whole, &f->source_mask, &f->sources));
+    GP_TRY(mask_list(f, &f->rest));
+    GP_TRY(mask_list(f, &f->taken));
+    for (int i = 0; f->more && i < f->plan->mores; i++)
+        GP_TRY(mask_list(f, &f->more[i].sources));
+    for (int i = 0; i < f->groups; i++)
+        GP_TRY(mask_list(f, &f->group[i].sources));
+out:
     return st;
 }
 
@@ -93,6 +53,14 @@ static double luminance_of(const struct gp_image *image, const double sum[3])
     for (int c = 0; c < 3; c++)
         y += (double) image->luminance[c] * sum[c];
     return y;
+}
+
+/* Returns the luminance that the plan's kernel spreads of sources. */
+static double spread_of(const struct glarepp_frame *f,
+                        const struct gp_sources *src)
+{
+    return gp_kernel_request_share(f->plan->kernel->request) *
+           luminance_of(&f->image, src->flux);
 }
 
 /* Finds the largest luminance of a frame without sources. */
@@ -114,12 +82,11 @@ static gp_status sense(struct glarepp_frame *f)
 {
     struct glarepp_sense_facts *const facts = &f->facts.sense;
     const struct gp_sources *const src = &f->sources;
-    const struct gp_kernel_request *const r = f->plan->request;
     double sum[3], squares;
     glarepp_frame_drop(f, 1u << GLAREPP_SOURCES | 1u << GLAREPP_TRUTH);
     gp_status st = gp_sense(&f->log, &f->plan->sense, &f->image, &f->sources);
     if (!st && f->groups)
-        st = sense_groups(f);
+        st = gp_api_sense_groups(f);
     if (!st && f->source_mask.v)
         st = mask_sources(f);
     if (st)
@@ -134,18 +101,24 @@ static gp_status sense(struct glarepp_frame *f)
     memcpy(facts->flux_clamped, src->flux_clamped, sizeof facts->flux_clamped);
     if (!src->n)
         find_peak(f);
-    for (int i = 0; i < r->recipes; i++) {
-        if (!gp_recipe_adapts(&r->recipe[i]))
-            continue;
+    bool adapts = false;
+    for (int k = 0; k <= f->plan->mores; k++) {
+        const struct gp_kernel_request *const r = f->plan->kernel[k].request;
+        for (int i = 0; i < r->recipes; i++)
+            adapts = adapts || gp_recipe_adapts(&r->recipe[i]);
+    }
+    if (adapts) {
         f->white = f->p.white > 0.0 ? f->p.white : GP_USUAL_WHITE;
         f->mean = gp_mean_luminance(&f->image, &f->image.rgb);
-        break;
     }
     if (f->p.details) {
         gp_planes_sum(&f->image.rgb, gp_image_pixels(&f->image), sum, &squares);
         facts->light = luminance_of(&f->image, sum);
-        facts->bright = gp_kernel_request_share(r) *
-                        luminance_of(&f->image, src->flux);
+        facts->bright = spread_of(f, gp_api_bright(f));
+        for (int k = 0; f->more && k < f->plan->mores; k++)
+            facts->bright +=
+                gp_kernel_request_share(f->plan->kernel[1 + k].request) *
+                luminance_of(&f->image, f->more[k].sources.flux);
     }
     const struct gp_api_lights *const lights = f->work ? f->work->lights : NULL;
     if (lights && f->ran & 1u << GLAREPP_SHARES)
@@ -161,7 +134,7 @@ static gp_status sense(struct glarepp_frame *f)
 static struct gp_field find_field(struct glarepp_frame *f)
 {
     struct glarepp_kernel_facts *const facts = &f->facts.kernel;
-    const struct gp_kernel_request *const r = f->plan->request;
+    const struct gp_kernel_request *const r = f->plan->kernel->request;
     double fov = gp_api_camera_fov(f);
     facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
     if (!(fov > 0.0)) {
@@ -214,11 +187,13 @@ static void fit_lens(const struct gp_api_stop *stop, int recipes,
     }
 }
 
-/* The frame's use of its kernel; *worst is the recipe that misses most. */
-static struct gp_kernel_use use_of(const struct glarepp_frame *f, int *worst)
+/* The frame's use of a kernel; *worst is the recipe that misses most. */
+static struct gp_kernel_use use_of(const struct glarepp_frame *f,
+                                   const struct gp_kernel_request *r,
+                                   const struct gp_made_kernel *made,
+                                   int *worst)
 {
-    const struct gp_kernel_request *const r = f->plan->request;
-    const struct gp_field *const field = &f->kernel->field;
+    const struct gp_field *const field = &made->field;
     const double scale =
         r->recipes ? 1.0 : gp_kernel_request_scale(r, field);
     struct gp_kernel_use use = {0};
@@ -226,7 +201,7 @@ static struct gp_kernel_use use_of(const struct glarepp_frame *f, int *worst)
     *worst = 0;
     for (int i = 0; i < gp_max(r->recipes, 1); i++) {
         const double share = r->recipes ? r->recipe[i].value[0] : 1.0;
-        gp_kernel_label_use(&r->label[i], scale, &f->kernel->k,
+        gp_kernel_label_use(&r->label[i], scale, &made->k,
                             gp_image_w(&f->image), gp_image_h(&f->image), &use);
         missed += share * use.missed;
         *worst = share * use.missed > most ? i : *worst;
@@ -240,8 +215,8 @@ static struct gp_kernel_use use_of(const struct glarepp_frame *f, int *worst)
         use.as_it_is =
             use.as_it_is && r->params.normalize == GP_NORMALIZE_NONE;
         use.centred = r->params.centered;
-        use.resampled = f->kernel->k.unturned || field->aspect != 1.0 ||
-                        scale != 1.0;
+        use.resampled =
+            made->k.unturned || field->aspect != 1.0 || scale != 1.0;
     }
     use.add = f->plan->compose.mix == GLAREPP_ADD;
     use.brightest =
@@ -265,29 +240,41 @@ static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
     return use;
 }
 
-/* A warning about the kernels [first, last) of the request. */
-static void warn_of(const struct glarepp_frame *f, int first, int last,
-                    const struct gp_fault *fault)
+/* Kernel i of the plan, 0 its own, as it was made for a frame. */
+struct made {
+    struct gp_api_plan_kernel *of;
+    const struct gp_made_kernel *it;
+    int i;
+};
+
+/* A warning about the words [first, last) of the kernel. */
+static void warn_of(const struct glarepp_frame *f, const struct made *m,
+                    int first, int last, const struct gp_fault *fault)
 {
     char parameter[64];
-    snprintf(parameter, sizeof parameter, "kernel.word %d %d %s", first, last,
-             fault->parameter);
+    if (m->i)
+        snprintf(parameter, sizeof parameter, "plan.more %d %s", m->i - 1,
+                 fault->parameter);
+    else
+        snprintf(parameter, sizeof parameter, "kernel.word %d %d %s", first,
+                 last, fault->parameter);
     gp_say_at(&f->log, GP_LEVEL_WARN, parameter, "%s", fault->line);
 }
 
-/* Warns, once a plan, of each fault of the kernel that a frame shows. */
-static void warn_of_kernel(struct glarepp_frame *f,
-    const struct gp_field *field, const struct gp_kernel_use *use, int worst)
+/* Warns, once a plan, of each fault of a kernel that a frame shows. */
+static void warn_of_kernel(const struct glarepp_frame *f, const struct made *m,
+                           const struct gp_field *field,
+                           const struct gp_kernel_use *use, int worst)
 {
-    const struct gp_kernel_request *const r = f->plan->request;
+    const struct gp_kernel_request *const r = m->of->request;
     const struct glarepp_label *const l = &r->label[0];
     struct gp_fault fault;
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
         const bool one = i == GP_RULE_LEFT_OUT;
-        if (gp_kernel_fault(&f->kernel->figures, use, (enum gp_kernel_rule) i,
+        if (gp_kernel_fault(&m->it->figures, use, (enum gp_kernel_rule) i,
                             &fault) &&
-            gp_api_says(f->plan, 1u << i))
-            warn_of(f, one ? worst : 0, one ? worst + 1 : GP_RECIPES,
+            gp_api_says(&m->of->said, 1u << i))
+            warn_of(f, m, one ? worst : 0, one ? worst + 1 : GP_RECIPES,
                     &fault);
     }
     if (r->recipes || !l->present ||
@@ -296,18 +283,23 @@ static void warn_of_kernel(struct glarepp_frame *f,
     // (an image may be kept from another angle)
     const double made = l->fov / l->h;
     const double used = field->degrees * gp_kernel_request_scale(r, field);
-    if (fabs(used / made - 1.0) > 0.01 && gp_api_says(f->plan, GP_SAID_ANGLE))
-        gp_say_at(&f->log, GP_LEVEL_WARN, "kernel.word 0 1 kernel.percent.angle",
-                  "made for %.4g degrees a pixel, used at %.4g (%.4g%% of it "
-                  "would fit); make it again for this angle and size", made,
-                  used, 100.0 * made / field->degrees);
+    fault.parameter = "kernel.percent.angle";
+    snprintf(fault.line, sizeof fault.line,
+             "made for %.4g degrees a pixel, "
+             "used at %.4g (%.4g%% of it would fit); make it again for this "
+             "angle and size",
+             made, used, 100.0 * made / field->degrees);
+    if (fabs(used / made - 1.0) > 0.01 &&
+        gp_api_says(&m->of->said, GP_SAID_ANGLE))
+        warn_of(f, m, 0, 1, &fault);
 }
 
 /* Warns, once a plan, of faults of images among several kernels. */
-static gp_status warn_of_images(struct glarepp_frame *f)
+static gp_status warn_of_images(const struct glarepp_frame *f,
+                                const struct made *m)
 {
-    const struct gp_kernel_request *const r = f->plan->request;
-    if (!r->recipes || !gp_api_says(f->plan, GP_SAID_IMAGES))
+    const struct gp_kernel_request *const r = m->of->request;
+    if (!r->recipes || !gp_api_says(&m->of->said, GP_SAID_IMAGES))
         return GP_OK;
     for (int i = 0; i < r->recipes; i++) {
         const struct gp_recipe *const recipe = &r->recipe[i];
@@ -329,31 +321,57 @@ static gp_status warn_of_images(struct glarepp_frame *f)
         for (int rule = GP_RULE_SIZE; rule <= GP_RULE_SYMMETRY; rule++) {
             if (gp_kernel_fault(&figures, &use, (enum gp_kernel_rule) rule,
                                 &fault))
-                warn_of(f, i, i + 1, &fault);
+                warn_of(f, m, i, i + 1, &fault);
         }
     }
     return GP_OK;
 }
 
-static gp_status make_kernel(struct glarepp_frame *f)
+/* Takes kernel i of the plan, made for the field unless it is kept, and warns of
+ * it; returns its use and the time of making it. */
+static gp_status take_kernel(struct glarepp_frame *f, int i,
+                             const struct gp_field *field,
+                             struct gp_made_kernel **out,
+                             struct gp_kernel_use *use)
 {
     struct glarepp_kernel_facts *const facts = &f->facts.kernel;
-    const struct gp_kernel_request *const r = f->plan->request;
     const double from = gp_now_ms(), cpu = gp_cpu_ms();
-    const struct gp_api_lights *const lights = f->work->lights;
+    struct made m = {.of = &f->plan->kernel[i], .i = i};
+    const struct gp_kernel_request *const r = m.of->request;
     struct gp_recipe recipe[GP_RECIPES];
     struct gp_api_stop stop;
     bool made;
     int worst;
     gp_status st;
-    if (!f->sources.n && !(lights && gp_suns_have_light(&lights->suns, false)))
-        return GP_OK;
-    struct gp_field field = find_field(f);
     memcpy(recipe, r->recipe, sizeof recipe);
     if (f->plan->lens_params.lens && gp_api_lens_stop(f, &stop))
         fit_lens(&stop, r->recipes, recipe);
-    for (int i = 0; i < r->recipes; i++)
-        gp_recipe_adapt(&recipe[i], f->mean, f->white);
+    for (int k = 0; k < r->recipes; k++)
+        gp_recipe_adapt(&recipe[k], f->mean, f->white);
+    gp_made_kernel_free(out);
+    GP_TRY(gp_kernels_take(&f->log, m.of->kept, recipe, field, &made, out));
+    m.it = *out;
+    GP_TRY(warn_of_images(f, &m));
+    if (made) {
+        facts->ms += gp_now_ms() - from;
+        facts->cpu_ms += gp_cpu_ms() - cpu;
+    }
+    *use = use_of(f, r, m.it, &worst);
+    warn_of_kernel(f, &m, field, use, worst);
+out:
+    return st;
+}
+
+static gp_status make_kernel(struct glarepp_frame *f)
+{
+    struct glarepp_kernel_facts *const facts = &f->facts.kernel;
+    const struct gp_kernel_request *const r = f->plan->kernel->request;
+    const struct gp_api_lights *const lights = f->work->lights;
+    struct gp_kernel_use use, other;
+    gp_status st;
+    if (!f->sources.n && !(lights && gp_suns_have_light(&lights->suns, false)))
+        return GP_OK;
+    struct gp_field field = find_field(f);
     if (lights)
         reach_lights(f, &field);
     if (f->plan->edges == GLAREPP_MIRROR) {
@@ -362,16 +380,12 @@ static gp_status make_kernel(struct glarepp_frame *f)
         field.w += more;
         field.h += more;
     }
-    gp_made_kernel_free(&f->kernel);
-    GP_TRY(gp_kernels_take(&f->log, f->plan->kernels, recipe, &field, &made,
-                           &f->kernel));
-    GP_TRY(warn_of_images(f));
-    if (made) {
-        facts->ms = gp_now_ms() - from;
-        facts->cpu_ms = gp_cpu_ms() - cpu;
+    facts->ms = facts->cpu_ms = 0.0;
+    GP_TRY(take_kernel(f, 0, &field, &f->kernel, &use));
+    for (int i = 0; f->more && i < f->plan->mores; i++) {
+        if (f->more[i].sources.n)
+            GP_TRY(take_kernel(f, 1 + i, &field, &f->more[i].kernel, &other));
     }
-    const struct gp_kernel_use use = use_of(f, &worst);
-    warn_of_kernel(f, &field, &use, worst);
     const struct gp_kernel *const k = &f->kernel->k;
     facts->recipes = r->recipes;
     facts->modelled = r->recipes || r->label[0].present;
@@ -390,21 +404,16 @@ out:
     return st;
 }
 
-struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
+/* Pixels of the image that a kernel reaches in a frame of a field. */
+static struct glarepp_rect reach_of(const struct gp_api_plan_kernel *k,
+                                    const struct gp_field *field)
 {
-    struct glarepp *const outer = gp_api_begin(f->plan->gp);
-    const struct gp_kernel_request *const r = f->plan->request;
-    const struct gp_rect reach = f->plan->reach;
-    double down = 1.0, across = 1.0;
-    if (f->work || gp_api_lend(f->plan, &f->work) == GP_OK) {
-        const struct gp_field field = find_field(f);
-        // in degrees, the first kernel is of the image's own size
-        down = !r->recipes && r->degrees > 0.0
-                   ? gp_kernel_request_scale(r, &field) : 1.0;
-        across = down / field.aspect;
-    }
-    gp_api_give_back(f->plan, &f->work);
-    (void) gp_api_end(outer, GP_OK);
+    const struct gp_rect reach = k->reach;
+    // in degrees, the first kernel is of the image's own size
+    const double down = !k->request->recipes && k->request->degrees > 0.0
+                            ? gp_kernel_request_scale(k->request, field)
+                            : 1.0;
+    const double across = down / field->aspect;
     const double high = down == 1.0 ? 0.0 : 1.0;   // resampling reaches into
     const double wide = across == 1.0 ? 0.0 : 1.0; // one pixel more
     return (struct glarepp_rect) {
@@ -415,113 +424,89 @@ struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
     };
 }
 
-// -- layer --------------------------------------------------------------------
-
-/* Returns the way the picture goes on for `own`, a part of its light. */
-static struct gp_surround edges_of(const struct glarepp_frame *f,
-                                   const struct gp_sources *own)
+struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
 {
-    return (struct gp_surround) {f->plan->edges,
-                                 f->whole.row ? &f->whole : &f->sources, own};
+    struct glarepp *const outer = gp_api_begin(f->plan->gp);
+    struct gp_field field = {.aspect = 1.0}; // where memory is full
+    struct glarepp_rect all = {0};
+    if (f->work || gp_api_lend(f->plan, &f->work) == GP_OK)
+        field = find_field(f);
+    for (int i = 0; i <= f->plan->mores; i++) {
+        const struct glarepp_rect one = reach_of(&f->plan->kernel[i], &field);
+        all = (struct glarepp_rect) {
+            gp_max(all.x0, one.x0),
+            gp_max(all.y0, one.y0),
+            gp_max(all.x1, one.x1),
+            gp_max(all.y1, one.y1),
+        };
+    }
+    gp_api_give_back(f->plan, &f->work);
+    (void) gp_api_end(outer, GP_OK);
+    return all;
 }
+
+// -- layer --------------------------------------------------------------------
 
 static gp_status add_layer(struct glarepp_frame *f)
 {
-    struct glarepp_layer_facts *const facts = &f->facts.layer;
-    struct gp_glare_params p = f->plan->glare;
+    struct glarepp_sense_facts *const facts = &f->facts.sense;
     struct gp_api_lights *const lights = f->work->lights;
     gp_status st = GP_OK;
     if (lights)
-        st = gp_suns_join(&f->log, &lights->suns, &f->image, &f->sources,
+        st = gp_suns_join(&f->log, &lights->suns, &f->image, gp_api_bright(f),
                           &f->joined);
     if (st)
         return st;
-    const struct gp_sources *const light = all_light(f);
-    f->facts.sense.sources = (long long) light->n;
-    memcpy(f->facts.sense.flux, light->flux, sizeof light->flux);
-    memcpy(f->facts.sense.faint, light->faint, sizeof light->faint);
+    const struct gp_sources *const light = gp_api_light(f);
+    facts->sources = (long long) light->n;
+    memcpy(facts->flux, light->flux, sizeof light->flux);
+    memcpy(facts->faint, light->faint, sizeof light->faint);
+    for (int i = 0; f->more && i < f->plan->mores; i++) {
+        facts->sources += (long long) f->more[i].sources.n;
+        for (int c = 0; c < 3; c++)
+            facts->flux[c] += f->more[i].sources.flux[c];
+    }
     if (f->p.details)
-        f->facts.sense.lamps = gp_kernel_request_share(f->plan->request) *
-                                   luminance_of(&f->image, light->flux) -
-                               f->facts.sense.bright;
-    p.taken = f->plan->compose.mix == GLAREPP_SCATTER ? &f->sources : NULL;
-    p.edges = edges_of(f, &f->sources);
-    p.last = f->p.last;
-    p.seen = f->p.noise;
-    if (light->n > 0)
-        return gp_glare_run(&f->log, &p, &f->work->engines, light,
-                            gp_api_kernel(f), &f->image, facts);
-    *facts = (struct glarepp_layer_facts) {
-        .engine = "none", .why = "no pixel is over the threshold",
-    };
-    return GP_OK;
+        facts->lamps = spread_of(f, light) - spread_of(f, gp_api_bright(f));
+    f->tinted = false;
+    return gp_api_layers(f);
 }
 
 static gp_status verify(struct glarepp_frame *f)
 {
-    const struct gp_surround edges = edges_of(f, &f->sources);
     gp_status st = GP_OK;
-    if (!all_light(f)->n)
-        return GP_OK;
-    if (!f->exact) {
-        GP_TRY(gp_alloc(&f->log, "exact layer",
-                        3 * gp_image_pixels(&f->image), sizeof *f->exact,
-                        &f->exact));
-        GP_TRY(gp_glare_reference(&f->log, &edges, all_light(f),
-                                  gp_api_kernel(f), f->exact));
-    }
-    const bool taken = f->plan->compose.mix == GLAREPP_SCATTER;
+    if (!f->exact)
+        st = gp_api_exact(f, &f->exact);
+    if (!f->exact)
+        return st;
     gp_glare_measure(&f->image, &f->image.layer, f->exact,
-                     f->plan->compose.gain, taken ? &f->sources : NULL,
-                     &f->facts.errors);
+                     f->plan->compose.gain, gp_api_taken(f), &f->facts.errors);
     f->facts.verified = true;
-out:
-    if (st || !f->p.details)
+    if (!f->p.details)
         GP_FREE(f->exact);
-    return st;
+    return GP_OK;
 }
 
 // -- composing ----------------------------------------------------------------
 
-/* Adds the flare of a group's bright pixels, at the frame's level. */
-static gp_status add_flare(struct glarepp_frame *f, struct gp_api_group *g,
-                           struct glarepp_flare_facts *facts)
-{
-    const double gain = f->facts.flare.gain;
-    struct gp_planes before = {0};
-    gp_status st = GP_OK;
-    if (gain != 1.0)
-        st = gp_api_part_open(f, &g->image, &before);
-    if (!st)
-        st = gp_api_ghosts_add(f, &g->sources, &f->work->lights->group_ghosts,
-                               &g->image, facts);
-    if (before.c[0])
-        gp_api_part_close(f, &g->image, gain, &before, NULL);
-    return st;
-}
+#define BIT(step) (1u << GLAREPP_##step)
 
-/* Adds glare to a group, so that groups which add up to the frame still do. */
-static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
-                               const struct gp_compose_params *p)
+/* Tints the layer once all of it is there: nothing more may be added to it. */
+static gp_status tint(struct glarepp_frame *f)
 {
-    struct glarepp_layer_facts stats = {0};
-    struct glarepp_flare_facts flare = {0};
-    struct gp_glare_params glare = f->plan->glare;
-    const double start = gp_now_ms(), cpu = gp_cpu_ms();
     gp_status st = GP_OK;
-    glare.edges = edges_of(f, &g->sources);
-    if (g->sources.n > 0)
-        st = gp_glare_run(&f->log, &glare, &f->work->group_engines, &g->sources,
-                          gp_api_kernel(f), &g->image, &stats);
-    if (!st && f->work->lights)
-        st = add_flare(f, g, &flare);
-    if (g->sources.n > 0) {
-        f->facts.engines_ms += gp_now_ms() - start;
-        f->facts.engines_cpu_ms += gp_cpu_ms() - cpu;
+    if (!f->plan->tints || f->tinted)
+        return st;
+    for (int i = 0; i < GP_PARTS && f->p.parts; i++) {
+        struct gp_image part = f->image; // (its other planes are borrowed)
+        GP_TRY(gp_api_part_find(f, (enum glarepp_view) (GLAREPP_PART_VEIL + i)));
+        part.layer = f->part[i];
+        gp_layer_tint(&f->plan->tint, &part);
     }
-    if (!st)
-        st = gp_compose(&f->log, p, &g->sources, &g->image);
-    gp_planes_free(&g->image.layer);
+    gp_layer_tint(&f->plan->tint, &f->image);
+    f->tinted = true;
+    f->ran |= BIT(FLARE) | BIT(LENS);
+out:
     return st;
 }
 
@@ -541,16 +526,21 @@ static gp_status compose(struct glarepp_frame *f)
     if (f->work->lights)
         p.dim = plan->sun.adapt * (float) gp_suns_mean(&f->work->lights->suns);
     p.last = f->p.layer_ends;
+    gp_status st = tint(f);
+    if (st)
+        return st;
     note_flux(f);
     if (plan->ocio) {
         pthread_mutex_lock(&plan->lock);
         gp_ocio_note(&f->log, plan->ocio, &f->image);
         pthread_mutex_unlock(&plan->lock);
     }
-    gp_status st = gp_compose(&f->log, &p, &f->sources, &f->image);
+    const struct gp_sources *const taken = gp_api_taken(f);
+    st = gp_compose(&f->log, &p, taken ? taken : &f->sources,
+                    &f->image);
     p.last = true;
     for (int i = 0; i < f->groups && !f->p.groups_glare && !st; i++)
-        st = compose_group(f, &f->group[i], &p);
+        st = gp_api_compose_group(f, &f->group[i], &p);
     f->composed = true;
     return st;
 }
@@ -562,15 +552,14 @@ static gp_status show(struct glarepp_frame *f)
                          : gp_tone_map(&f->log, &f->plan->tone, &f->image);
 }
 
-#define BIT(step) (1u << GLAREPP_##step)
-
 static gp_status finish(struct glarepp_frame *f)
 {
+    const gp_status st = tint(f);
     if (f->work && !f->composed)
         note_flux(f);
     gp_api_give_back(f->plan, &f->work);
     f->ran &= ~(BIT(POSE) | BIT(PLACE) | BIT(SHARES)); // were in its work
-    return GP_OK;
+    return st;
 }
 
 // -- steps --------------------------------------------------------------------

@@ -4,6 +4,7 @@
  * messages. */
 #include "cli/options.h"
 
+#include "core/memory.h"
 #include "io/file.h"
 
 #include <stdlib.h>
@@ -171,6 +172,18 @@ static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
+/* Checks that a kernel is there. */
+static gp_status check_word(const struct gp_log *log, const char *word)
+{
+    return !gp_kernel_is_file(word) || strpbrk(word, "./-") ||
+                   gp_file_exists(word)
+               ? GP_OK
+               : gp_fail(log, GP_ERR_IO,
+                         "%s: neither a model of kernels nor "
+                         "a file; glarepp kernel --list shows the models",
+                         word);
+}
+
 /* Checks that kernels are there, and that options of images have one. */
 static gp_status check_kernels(const struct gp_log *log,
                                const struct gp_settings *s)
@@ -183,12 +196,10 @@ static gp_status check_kernels(const struct gp_log *log,
     if (checks && gp_kernel_is_file(at[0]))
         return GP_OK;
     for (int i = 0; i < n; i++) {
-        const bool file = gp_kernel_is_file(at[i]);
-        files |= file;
-        if (file && !strpbrk(at[i], "./-") && !gp_file_exists(at[i]))
-            return gp_fail(log, GP_ERR_IO, "%s: neither a model of kernels nor "
-                           "a file; glarepp kernel --list shows the models",
-                           at[i]);
+        const gp_status st = check_word(log, at[i]);
+        if (st)
+            return st;
+        files |= gp_kernel_is_file(at[i]);
     }
     const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
     const char *const image =
@@ -200,6 +211,84 @@ static gp_status check_kernels(const struct gp_log *log,
         "of a kernel (found %s); write image:file=PATH with its keys size, x, "
         "y and share, or leave it out", image,
         n > 1 ? "several kernels" : at[0]);
+}
+
+/* Cuts a word of --light-group into its parts; false: they are none. A kernel ends
+ * at ",gain=", so that its recipe may have commas. */
+static bool cut_group(char *word, struct gp_light_group *out)
+{
+    char *const k = strstr(word, ":kernel="), *const g = strstr(word, ":gain=");
+    char *at = !k || (g && g < k) ? g : k, *end;
+    bool gain = false;
+    *out = (struct gp_light_group) {.name = word, .gain = 1.0f};
+    if (at == word)
+        return false;
+    for (; at; at = end) {
+        *at++ = '\0'; // of what is before
+        const bool kernel = strncmp(at, "kernel=", 7) == 0;
+        if (kernel ? out->kernel != NULL : gain || strncmp(at, "gain=", 5) != 0)
+            return false;
+        if (kernel) {
+            out->kernel = at + 7;
+            end = strstr(at, ",gain=");
+            continue;
+        }
+        gain = true;
+        out->gain = strtof(at + 5, &end);
+        if (end == at + 5 || (*end && *end != ',') ||
+            !(out->gain >= 0.0f && out->gain <= 1e6f))
+            return false;
+        end = *end ? end : NULL;
+    }
+    return !out->kernel || *out->kernel;
+}
+
+/* Numbers the kernel of a group: 0 where it is the only --kernel. */
+static int number_kernel(struct gp_settings *s, const char *word)
+{
+    struct gp_texts *const list = &s->input.group_kernels;
+    const struct gp_texts *const own = &s->kernel.words;
+    int i = 0;
+    if (own->n == 1 && strcmp(own->at[0], word) == 0 &&
+        !gp_kernel_is_file(word))
+        return 0;
+    while (i < list->n && strcmp(list->at[i], word) != 0)
+        i++;
+    if (i == list->n)
+        list->at[list->n++] = word;
+    return 1 + i;
+}
+
+/* Reads --light-group. */
+static gp_status read_groups(const struct gp_log *log, struct gp_settings *s)
+{
+    const struct gp_texts *const words = &s->input.light_groups;
+    const size_t head = (size_t) words->n * sizeof *s->input.group;
+    size_t bytes = head;
+    gp_status st;
+    for (int i = 0; i < words->n; i++)
+        bytes += strlen(words->at[i]) + 1;
+    if (!words->n)
+        return GP_OK;
+    char *block;
+    GP_TRY(gp_alloc(log, "light groups", bytes, 1, &block));
+    s->input.group = (void *) block;
+    block += head; // the words
+    for (int i = 0; i < words->n; i++) {
+        struct gp_light_group *const g = &s->input.group[i];
+        if (!cut_group(strcpy(block, words->at[i]), g))
+            return gp_fail(log, GP_ERR_USAGE,
+                           "--light-group: not a layer with "
+                           "a kernel or gain (found \"%s\"); write "
+                           "NAME:kernel=star,gain=2, with a gain of 0 to 1e6",
+                           words->at[i]);
+        if (g->kernel)
+            GP_TRY(check_word(log, g->kernel));
+        g->more = g->kernel ? number_kernel(s, g->kernel) : 0;
+        block += strlen(words->at[i]) + 1;
+    }
+out:
+    return st;
 }
 
 /* Sets the size of --size, or the usual one. */
@@ -505,6 +594,8 @@ void gp_settings_point(struct gp_settings *s)
     memcpy(k->centre, s->kernel.centre.v, sizeof k->centre);
     k->as_it_is = given && none;
     k->normalized = given && !none;
+    for (int c = 0; c < s->light.tint.n; c++)
+        s->light.layer.tint[c] = (float) s->light.tint.v[c];
     set_lights(&s->sun);
     s->scene.relight = s->sun.relight.at;
     s->scene.relights = s->sun.relight.n;
@@ -574,7 +665,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     // what is added to a picture is of its own lights; what is moved is missed
     if (!gp_option_given(s, "edges") && s->light.layer.mix == GLAREPP_ADD)
         s->light.layer.edges = GLAREPP_BLACK;
-    st = check_kernels(log, s);
+    GP_TRY(check_kernels(log, s));
+    st = read_groups(log, s);
 out:
     return st;
 }

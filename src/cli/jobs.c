@@ -98,10 +98,10 @@ static gp_status add_inputs(const struct gp_log *log,
         else if (isatty(STDIN_FILENO))
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin is a terminal; pipe an EXR file in");
-        for (int k = 0; k < s->kernel.words.n && !st && gp_is_dash(path); k++) {
-            char file[PATH_MAX];
-            if (glarepp_kernel_path(s->kernel.words.at[k], file, sizeof file) &&
-                gp_is_dash(file))
+        char file[PATH_MAX];
+        for (int k = 0; gp_is_dash(path) && !st && gp_kernel_file(s, k, file);
+             k++) {
+            if (gp_is_dash(file))
                 st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot "
                              "both come from stdin; give one of them as a "
                              "file");

@@ -114,6 +114,12 @@ static struct kernel_words words_of(const struct gp_settings *s,
     struct kernel_words w = {""};
     int first = 0, last = 1;
     // NOLINTNEXTLINE(cert-err34-c): the library wrote it
+    if (sscanf(parameter, "plan.more %d", &first) == 1) {
+        snprintf(w.text, sizeof w.text,
+                 "%.252s: ", s->input.group_kernels.at[first]);
+        return w;
+    }
+    // NOLINTNEXTLINE(cert-err34-c): the library wrote it
     if (sscanf(parameter, "kernel.word %d %d", &first, &last) != 2 &&
         strncmp(parameter, "kernel.percent", strlen("kernel.percent")) != 0)
         return w;

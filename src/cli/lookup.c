@@ -91,6 +91,18 @@ bool gp_kernel_is_file(const char *word)
            strcmp(path, word) == 0;
 }
 
+bool gp_kernel_file(const struct gp_settings *s, int i, char *path)
+{
+    const int words = s->kernel.words.n;
+    if (i >= words + s->input.group_kernels.n)
+        return false;
+    if (!glarepp_kernel_path(i < words ? s->kernel.words.at[i]
+                                       : s->input.group_kernels.at[i - words],
+                             path, PATH_MAX))
+        *path = '\0';
+    return true;
+}
+
 bool gp_lights_wanted(const struct gp_settings *s)
 {
     return s->sun.at.n || s->sun.dir.n || s->sun.p.cameras || s->sun.p.file ||

@@ -130,10 +130,12 @@ const struct gp_option gp_options[] = {
     OPT(input.read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
         .help = "Read the colour from this part of a multi-part file, by "
                 "name or number from 0"),
-    OPT(input.light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
+    OPT(input.light_groups, .name = "light-group", IN(INPUT),
+        .arg = "NAME[:kernel=K,gain=G]",
         .help = "Spread the light of this EXR layer in place of the frame's "
         "own; may be given more than once; --hdr adds to each layer its own "
-        "glare"),
+        "glare; a colon may be followed by a kernel, a word of --kernel, and "
+        "a gain, 0 to 1e6, which --layer has too"),
     OPT(input.read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40, .aside = true, .help = "Refuse files whose "
         "data or display window has more than N pixels; in files other than "
@@ -202,6 +204,14 @@ const struct gp_option gp_options[] = {
         "--layer; with --mix scatter, 1 moves all light of the sources, and "
         "more than 1 only brightens the glare",
         .usual = "Scale the glare: 0.5 for half of it"),
+    OPT(light.tint, .name = "tint", DRAWS(LIGHT), .arg = "R,G,B", .least = 3,
+        .most = 3, .hi = 1e6, .help = "Multiply the channels of the glare by "
+        "these, with flare and lens, in --layer too; what scatters leaves the "
+        "sources in its own colour"),
+    OPT(light.layer.saturation, .name = "layer-saturation", DRAWS(LIGHT),
+        .arg = "S", .hi = 10, .help = "Saturate the glare before --tint: 0 "
+        "makes it grey, 2 doubles its distance from grey, and less than 0 "
+        "becomes 0; in --layer too"),
     CHOICE(light.layer.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
     CHOICE(light.layer.edges, .name = "edges", DRAWS(LIGHT), .arg = "HOW",

@@ -81,12 +81,22 @@ struct gp_keyed {
     int n;                    // at least 1
 };
 
+/* A layer that glares. */
+struct gp_light_group {
+    const char *name;
+    const char *kernel; // a word; NULL: those of --kernel
+    int more;           // 0, or from 1 which of group_kernels
+    float gain;
+};
+
 /* Frames to read. */
 struct gp_input_settings {
     struct gp_texts files;
     const char *frames, *views;        // lists as given; NULL: not given
     struct gp_read_params read;
-    struct gp_texts light_groups;      // layers that glare
+    struct gp_texts light_groups;      // layers that glare, as given
+    struct gp_light_group *group;      // ... as read; owned
+    struct gp_texts group_kernels;     // words of these, each once
     const char *depth;                 // channel
     bool skip_bad_frames;
 };
@@ -106,6 +116,7 @@ struct gp_output_settings {
 struct gp_light_settings {
     const char *style;                 // a word of gp_styles
     struct glarepp_sense_params sense;
+    struct gp_numbers tint;            // ... of layer
     struct glarepp_layer_params layer; // edges, where not given: black with add
     const char *mask;                  // of what may glare, as given; or NULL
     const char *source;                // file of a frame whose light it is
@@ -375,6 +386,10 @@ const struct gp_option_choice *gp_option_chosen(const struct gp_option *o,
 
 /* True when a word of --kernel or --check is a path, not a recipe. */
 bool gp_kernel_is_file(const char *word);
+
+/* Copies the path that kernel i names, of --kernel or after these of
+ * --light-group, to `path` of PATH_MAX bytes, or "". False after the last. */
+bool gp_kernel_file(const struct gp_settings *s, int i, char *path);
 
 /* True when a frame may have lights with a place: an option names one, a file or
  * a scene. */

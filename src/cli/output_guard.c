@@ -196,10 +196,12 @@ gp_status gp_output_guard_settle(struct gp_output_guard *c)
             y.of ? " for " : "", y.of ? y.of : "", gp_is_dash(x.name)
             ? "only one can go to stdout" : "give each a name of its own");
     }
-    for (int i = 0; i < c->s->kernel.words.n && !st; i++) {
-        char path[PATH_MAX];
-        if (glarepp_kernel_path(c->s->kernel.words.at[i], path, sizeof path))
-            st = gp_output_guard_input(c, "--kernel", path);
+    char path[PATH_MAX];
+    for (int i = 0; !st && gp_kernel_file(c->s, i, path); i++) {
+        if (*path)
+            st = gp_output_guard_input(
+                c, i < c->s->kernel.words.n ? "--kernel" : "--light-group",
+                path);
     }
     for (int i = 0; i < c->s->words.settings.n && !st; i++)
         st = gp_output_guard_input(c, "--settings", c->s->words.settings.at[i]);

@@ -18,6 +18,7 @@ void gp_settings_free(struct gp_settings *s)
     GP_FREE(s->keyed);
     gp_words_free(&s->words.read);
     GP_FREE(s->words.all);
+    GP_FREE(s->input.group);
 }
 
 // -- values ------------------------------------------------------------------
@@ -363,10 +364,12 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     out->words.argv = argv;
     out->words.argc = argc;
     struct gp_texts *const lists[] = {
-        &out->input.files,    &out->output.pictures,    &out->output.hdr,
-        &out->output.layer,   &out->output.parts,       &out->kernel.words,
-        &out->sun.relight,    &out->tone.context,       &out->words.options,
-        &out->input.light_groups, &out->words.settings,
+        &out->input.files,        &out->output.pictures,
+        &out->output.hdr,         &out->output.layer,
+        &out->output.parts,       &out->words.settings,
+        &out->input.light_groups, &out->input.group_kernels,
+        &out->kernel.words,       &out->sun.relight,
+        &out->tone.context,       &out->words.options,
     };
     enum { LISTS = sizeof lists / sizeof *lists };
     size_t room = 2 * (size_t) argc + GP_STYLE_WORDS;

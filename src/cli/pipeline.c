@@ -119,13 +119,16 @@ static size_t carried_bytes(const struct gp_frame *f)
 static size_t frame_bytes(const struct pipeline *p,
                           const struct gp_frame_state *fs)
 {
-    enum { USUAL = 49, VERIFY = 57, LENS = 65 }; // bytes of a pixel
+    // bytes of a pixel; of another kernel's layer, in double with --verify
+    enum { USUAL = 49, VERIFY = 57, LENS = 65, MORE = 12, MORE_VERIFY = 24 };
     const size_t pixels = gp_frame_pixels(&fs->file);
     const size_t pixel = p->run.s->lens.lens      ? LENS
                          : p->run.s->run.verify ? VERIFY : USUAL;
     const size_t group =
         (p->run.s->output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
     size_t bytes = pixels * pixel + carried_bytes(&fs->file);
+    if (p->run.s->input.group_kernels.n)
+        bytes += pixels * (p->run.s->run.verify ? MORE_VERIFY : MORE);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i]);
     if (fs->source.path)
@@ -432,6 +435,24 @@ static gp_status run_units(struct pipeline *p)
 
 // -- all frames --------------------------------------------------------------
 
+/* Makes the kernels of light groups. */
+static gp_status make_group_kernels(const struct gp_log *log,
+                                    struct glarepp *gp, struct gp_run *r)
+{
+    const struct gp_texts *const words = &r->s->input.group_kernels;
+    gp_status st;
+    GP_TRY(gp_alloc_zero(log, "kernels", (size_t) words->n + 1, sizeof *r->more,
+                         &r->more));
+    for (int i = 0; i < words->n; i++) {
+        struct glarepp_kernel_params p = GLAREPP_KERNEL_PARAMS;
+        p.word = &words->at[i];
+        p.words = 1;
+        GP_TRY((gp_status) glarepp_kernel(gp, &p, &r->more[i]));
+    }
+out:
+    return st;
+}
+
 /* Makes what all frames share, so that errors of it come before any frame. */
 static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
@@ -452,6 +473,9 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
                      gp_file_descriptor(r->jobs->target[i].name.path) >= 0;
     GP_TRY((gp_status) glarepp_kernel(gp, &r->s->kernel.p, &r->kernel));
     plan.kernel = r->kernel;
+    GP_TRY(make_group_kernels(log, gp, r));
+    plan.more = (const struct glarepp_kernel *const *) r->more;
+    plan.mores = r->s->input.group_kernels.n;
     GP_TRY((gp_status) glarepp_plan(gp, &plan, &r->plan));
     // outputs must not replace pictures of --flare or tables of --ocio either
     const struct glarepp_plan_facts *const facts = glarepp_plan_facts(r->plan);
@@ -536,5 +560,8 @@ out:;
     gp_own_plans_end(&p.ended);
     glarepp_plan_end(&p.run.plan);
     glarepp_kernel_end(&p.run.kernel);
+    for (int i = 0; p.run.more && i < s->input.group_kernels.n; i++)
+        glarepp_kernel_end(&p.run.more[i]);
+    gp_free(p.run.more);
     return st ? st : closed;
 }

@@ -218,6 +218,14 @@ static const struct row relit_rows[] = {
     {0},
 };
 
+static const struct row group_rows[] = {
+    OF(gp_light_group, "group_glare.name", name),
+    OF(gp_light_group, "group_glare.kernel", kernel,
+       BYTES(gp_light_group, kernel)),
+    OF(gp_light_group, "group_glare.gain", gain),
+    {0},
+};
+
 #define PLACED BYTES(glarepp_share, behind), .unless = true
 static const struct row light_rows[] = {
     OF(glarepp_share, "lights.name", name[0], BYTES(glarepp_share, name[0])),
@@ -263,6 +271,8 @@ static const struct row made_rows[] = {
     LIST("light_groups", TEXT, read.group, read.groups, IF(read.groups)),
     SOME("source", read.source),
     SOME("source_mask", read.mask),
+    LIST("group_glare", OBJECT, read.group, read.groups, IF(read.grouped),
+         .rows = group_rows),
     SOME("engine", lib.layer.engine),
     FACT("engine_why", lib.layer.why[0], IF(lib.layer.engine)),
     FACT("threshold", lib.sense.threshold),
@@ -372,7 +382,8 @@ static const struct row end_rows[] = {
 const char *gp_report_field(int i)
 {
     static const struct row *const all[] = {
-        job_rows, made_rows, relit_rows, light_rows, ocio_rows, end_rows,
+        job_rows,   made_rows, group_rows, relit_rows,
+        light_rows, ocio_rows, end_rows,
     };
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
         for (const struct row *r = all[k]; r->name; r++) {

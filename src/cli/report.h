@@ -43,10 +43,11 @@ struct gp_job_report {
 /* Of the stage that reads. */
 struct gp_read_facts {
     struct gp_taken taken;       // part, layer and view of the input
-    const char *const *group;    // `groups` layers that glare
+    const struct gp_light_group *group; // `groups` layers that glare
     int groups;                  // 0: the frame's own colour glares
     const char *source;          // or that of this file; NULL: none
     const char *mask;            // of what glares: channel, file or objects
+    bool grouped;                // a group has a kernel or a gain of its own
     struct gp_rect window;       // data window of the outputs
     int width, height;           // of it
     bool grown;                  // the file's differs

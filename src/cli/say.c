@@ -133,8 +133,14 @@ static void say_input(FILE *w, const struct gp_frame_report *f)
         fprintf(w, ", part %s", r->taken.part);
     if (r->taken.view[0])
         fprintf(w, ", view %s", r->taken.view);
-    for (int i = 0; i < r->groups; i++)
-        fprintf(w, "%s%s", i ? " and " : ", light of ", r->group[i]);
+    for (int i = 0; i < r->groups; i++) {
+        const struct gp_light_group *const g = &r->group[i];
+        fprintf(w, "%s%s", i ? " and " : ", light of ", g->name);
+        if (g->kernel)
+            fprintf(w, " by %s", g->kernel);
+        if (g->gain != 1.0f)
+            fprintf(w, " times %g", (double) g->gain);
+    }
     if (r->grown)
         fprintf(w, ", grown to %dx%d", r->width, r->height);
     if (nonfinite)

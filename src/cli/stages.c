@@ -30,6 +30,8 @@ static gp_status make_own_plan(const struct gp_log *log, const struct gp_run *r,
     fs->facts.job.settings = &own->s;
     struct glarepp_plan_params plan = own->s.plan;
     plan.kernel = r->kernel;
+    plan.more = (const struct glarepp_kernel *const *) r->more;
+    plan.mores = r->s->input.group_kernels.n;
     struct gp_place place; // (it knows no frame)
     const struct gp_log there = gp_place_log(&place, log, fs->job->input, 0);
     gp_hear_about(&there);
@@ -152,18 +154,25 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
 {
     struct glarepp_frame_params p = gp_frame_params_of(fs->job, &fs->file);
     const bool other = fs->source.path; // --source, as a group for its light
-    struct glarepp_image *group;
-    gp_status st = gp_alloc(fs->log, "light groups",
-                            (size_t) fs->groups + 1, sizeof *group, &group);
-    if (st)
-        return st;
-    for (int i = 0; i < fs->groups; i++)
+    const size_t room = (size_t) fs->groups + 1;
+    struct glarepp_image *group = NULL;
+    struct glarepp_group *how = NULL;
+    gp_status st;
+    GP_TRY(gp_alloc(fs->log, "light groups", room, sizeof *group, &group));
+    GP_TRY(gp_alloc(fs->log, "light groups", room, sizeof *how, &how));
+    for (int i = 0; i < fs->groups; i++) {
+        const struct gp_light_group *const g = &r->s->input.group[i];
         group[i] = gp_frame_view(&fs->group[i], &fs->group[i].rgb);
-    if (other)
+        how[i] = (struct glarepp_group) {g->more, g->gain};
+    }
+    if (other) {
         group[0] = gp_frame_view(&fs->source, &fs->source.rgb);
+        how[0] = (struct glarepp_group) {0, 1.0f};
+    }
     p.in_place = true;
     p.group = group;
     p.groups = other ? 1 : fs->groups;
+    p.how = how;
     p.groups_glare = other || !r->s->output.hdr.n;
     p.last = fs->own || fs->job - r->jobs->job == r->jobs->n - 1;
     p.layer_ends = r->layer_ends;
@@ -173,7 +182,9 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
         p.noise = 2e-5f;
     p.user = (void *) (uintptr_t) fs->log;
     st = (gp_status) glarepp_frame(fs->plan, &p, &fs->frame);
+out:
     gp_free(group);
+    gp_free(how);
     return st;
 }
 
@@ -244,7 +255,7 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_log *const log = fs->log;
     const struct gp_members *const m = &r->jobs->members;
-    const struct gp_texts *const groups = &r->s->input.light_groups;
+    const int groups = r->s->input.light_groups.n;
     const struct glarepp_plan_facts *const plan = glarepp_plan_facts(r->plan);
     struct gp_read_facts *const facts = &fs->facts.read;
     struct gp_read_params p = r->s->input.read;
@@ -256,15 +267,18 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
                 : gp_read_frame(log, &p, fs->job->input, &fs->file));
     if (r->jobs->views_found && fs->view == 0)
         GP_TRY(gp_jobs_check_views(log, &r->s->input.read, r->jobs, &fs->file));
-    if (groups->n) {
-        GP_TRY(gp_alloc_zero(log, "light groups", (size_t) groups->n,
+    if (groups) {
+        GP_TRY(gp_alloc_zero(log, "light groups", (size_t) groups,
                              sizeof *fs->group, &fs->group));
-        facts->group = groups->at;
-        facts->groups = groups->n;
+        facts->group = r->s->input.group;
+        facts->groups = groups;
     }
-    for (; fs->groups < groups->n; fs->groups++)
-        GP_TRY(gp_read_layer(log, &p, &fs->file, groups->at[fs->groups],
-                             &fs->group[fs->groups]));
+    for (; fs->groups < groups; fs->groups++) {
+        const struct gp_light_group *const g = &facts->group[fs->groups];
+        facts->grouped = facts->grouped || g->kernel || g->gain != 1.0f;
+        GP_TRY(
+            gp_read_layer(log, &p, &fs->file, g->name, &fs->group[fs->groups]));
+    }
     GP_TRY(gp_read_source(r, fs));
     GP_TRY(grow_frames(r, fs));
     facts->window = fs->file.data;

@@ -77,6 +77,7 @@ struct gp_run {
     const struct gp_jobs *jobs;
     struct glarepp *gp;
     struct glarepp_kernel *kernel;
+    struct glarepp_kernel **more; // of light groups; owned
     struct glarepp_plan *plan;
     struct gp_report *report;
     bool ordered;                  // frames are written in order: some output

@@ -99,6 +99,12 @@ GP_MUST_CHECK gp_status gp_beyond_add_exact(const struct gp_log *log,
  * kernel is made for frames larger by twice that. */
 int gp_mirror_reach(int w, int h);
 
+/* Mirrors sources, `reach` pixels far on each side. Free with gp_sources_free().
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_mirror_sources(const struct gp_log *log,
+                                          const struct gp_sources *src,
+                                          int reach, struct gp_sources *out);
+
 /* A picture and its mirror image around it, `reach` pixels wide. */
 struct gp_mirrored {
     int reach;

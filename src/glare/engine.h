@@ -162,6 +162,16 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
 
 // -- the frame and its layer -------------------------------------------------
 
+struct gp_tint_params {
+    float tint[3];    // >= 0
+    float saturation; // >= 0
+};
+
+/* Colours f->layer, which may be empty:
+ *   layer = tint (Y + saturation (layer - Y))
+ * Y its luminance by the frame's weights; each sample within [0, FLT_MAX]. */
+void gp_layer_tint(const struct gp_tint_params *p, struct gp_image *f);
+
 struct gp_compose_params {
     float gain;  // >= 0
     enum glarepp_mix mix;

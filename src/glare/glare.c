@@ -355,6 +355,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     struct gp_mirrored m = {0};
     struct gp_glare_params params = *p;
     struct gp_image wide = {.path = f->path};
+    struct gp_sources taken = {0};
     const int w = src->w, h = src->h;
     const bool pixel = p->tolerance_pixel > 0.0f;
     memcpy(wide.luminance, f->luminance, sizeof wide.luminance);
@@ -362,17 +363,20 @@ gp_status gp_glare_run(const struct gp_log *log,
     wide.data = (struct gp_rect) {0, 0, m.src.w, m.src.h};
     wide.rgb = m.rgb;
     params.edges = m.edges;
-    // what scatters is the picture for which the edges are made, or the part of
-    // it that glares
-    params.taken = !p->taken     ? NULL
-                   : m.edges.own ? m.edges.own
-                                 : m.edges.picture;
+    // what scatters is the picture, for which the edges are made, or a part of it
+    if (p->taken && p->taken != p->edges.picture) {
+        GP_TRY(gp_mirror_sources(log, p->taken, m.reach, &taken));
+        params.taken = &taken;
+    } else if (p->taken) {
+        params.taken = m.edges.picture;
+    }
     GP_TRY(run_picture(log, &params, g, &m.src, kernel, &wide, stats));
     if (!f->layer.c[0])
         GP_TRY(gp_planes_make(log, "layer", gp_image_pixels(f), &f->layer));
     cut_planes(&wide.layer, m.reach, w, h, &f->layer);
 out:
     gp_planes_free(&wide.layer);
+    gp_sources_free(&taken);
     gp_mirrored_free(&m);
     return st;
 }
@@ -428,6 +432,42 @@ out:
     gp_sources_free(&disc);
     gp_planes_free(&f.layer);
     return st;
+}
+
+// -- the layer's colour --------------------------------------------------------
+
+struct tinting {
+    const struct gp_tint_params *p;
+    struct gp_image *f;
+};
+
+/* In double, where no luminance overflows, and white stays as it is. */
+GP_CLONES static void tint_row(void *ctx, int y, int thread)
+{
+    const struct tinting *const m = ctx;
+    const size_t w = (size_t) gp_image_w(m->f), at = (size_t) y * w;
+    const float *const weight = m->f->luminance;
+    const double s = (double) m->p->saturation;
+    float *const v[3] = {m->f->layer.c[0] + at, m->f->layer.c[1] + at,
+                         m->f->layer.c[2] + at};
+    (void) thread;
+    for (size_t x = 0; x < w; x++) {
+        const double grey = (1.0 - s) * ((double) weight[0] * (double) v[0][x] +
+                                         (double) weight[1] * (double) v[1][x] +
+                                         (double) weight[2] * (double) v[2][x]);
+        for (int c = 0; c < 3; c++)
+            v[c][x] = (float) gp_mind(
+                gp_maxd((double) m->p->tint[c] * (grey + s * (double) v[c][x]),
+                        0.0),
+                (double) FLT_MAX);
+    }
+}
+
+void gp_layer_tint(const struct gp_tint_params *p, struct gp_image *f)
+{
+    struct tinting m = {p, f};
+    if (f->layer.c[0])
+        gp_parallel_do(gp_image_h(f), tint_row, &m);
 }
 
 // -- adding the layer to the frame --------------------------------------------

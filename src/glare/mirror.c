@@ -17,8 +17,9 @@ static int mirrored(int i, int n)
     return i < 0 ? -1 - i : i < n ? i : 2 * n - 1 - i;
 }
 
-static gp_status mirror_sources(const struct gp_log *log,
-    const struct gp_sources *src, int reach, struct gp_sources *out)
+gp_status gp_mirror_sources(const struct gp_log *log,
+                            const struct gp_sources *src, int reach,
+                            struct gp_sources *out)
 {
     struct gp_sources like = *src;
     const int w = src->w, h = src->h;
@@ -80,7 +81,7 @@ static gp_status mirror_other(const struct gp_log *log,
     const struct gp_sources **at)
 {
     *at = one == src ? there : one ? own : NULL;
-    return *at == own && one ? mirror_sources(log, one, reach, own) : GP_OK;
+    return *at == own && one ? gp_mirror_sources(log, one, reach, own) : GP_OK;
 }
 
 gp_status gp_mirror(const struct gp_log *log, const struct gp_surround *edges,
@@ -92,7 +93,7 @@ gp_status gp_mirror(const struct gp_log *log, const struct gp_surround *edges,
         .reach = gp_mirror_reach(src->w, src->h),
         .edges = {.how = GLAREPP_EXTEND},
     };
-    GP_TRY(mirror_sources(log, src, m->reach, &m->src));
+    GP_TRY(gp_mirror_sources(log, src, m->reach, &m->src));
     GP_TRY(mirror_other(log, edges->picture, src, m->reach, &m->src,
                         &m->picture, &m->edges.picture));
     if (edges->own != edges->picture)

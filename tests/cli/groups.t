@@ -11,7 +11,8 @@ need_python
 #   make FILE HOW  beauty = key + rim + fill in floats, with A and Z; HOW is
 #                  plain, dark (rim has no light), nan (rim has one NaN),
 #                  huge (a pixel of 3e38 in each), parts (rim and fill in parts
-#                  of their own), or window (rim's part is smaller)
+#                  of their own), colon (rim is called rim:b), or window (rim's
+#                  part is smaller)
 #   sums SUM A...  layer SUM is that of the others within 1e-6 rel_l2
 #   grown IN OUT   what OUT has more than IN: the colour has as much more as
 #                  the layers, key and rim have some, all else has its bits
@@ -56,6 +57,8 @@ def make(path, how):
     rgb["A"] = numpy.full((H, W), 0.5)
     rgb["Z"] = numpy.arange(W * H).reshape(H, W) * 0.25
     split, aside = how in ("parts", "window"), []
+    if how == "colon":
+        light["rim:b"] = light.pop("rim")
     for name, v in light.items():
         prefix = "" if split and name != "key" else name + "."
         planes = {prefix + c: p for c, p in zip("RGB", numpy.moveaxis(v, 2, 0))}
@@ -113,6 +116,11 @@ def grown(before, after, *dark):
             assert p[n].tobytes() == q[n].tobytes(), n
         if n.endswith(("A", "Z", "mask")):
             assert p[n].tobytes() == q[n].tobytes(), n
+
+def times(gain, a, b, layer=""):
+    """A layer of b is that of a times the gain."""
+    p, q = colour(load(a), layer) * float(gain), colour(load(b), layer)
+    assert p.any() and numpy.abs(p - q).max() <= 1e-6 * numpy.abs(p).max()
 
 def same(a, b, *layers):
     p, q = load(a), load(b)
@@ -227,6 +235,111 @@ for n in 1 2 3; do
     same seq/h.$n.exr h.exr "a sequence: frame $n as alone"
 done
 
+# -- kernels and gains of groups -----------------------------------------------
+
+# alike "WORD..." "OTHER-WORD..." DESCRIPTION: the same files are made
+alike()
+{
+    rm -f a.exr ah.exr b.exr bh.exr
+    # shellcheck disable=SC2086
+    "$glarepp" -q --no-provenance $1 --layer a.exr --hdr ah.exr -o a.png plain.exr
+    # shellcheck disable=SC2086
+    "$glarepp" -q --no-provenance $2 --layer b.exr --hdr bh.exr -o b.png plain.exr
+    ok "$3" sh -c 'cmp a.exr b.exr && cmp ah.exr bh.exr && cmp a.png b.png'
+}
+for e in '-e fft' '-e direct --mix add' '-e fft --edges mirror -g 2'; do
+    for k in star cross:share=.2,points=6,length=5 builtin:eye; do
+        alike "$e -k $k --light-group key" "$e --light-group key:kernel=$k" \
+            "$e: a group by $k is a run of -k $k"
+    done
+    alike "$e $both" "$e --light-group key:gain=1 --light-group rim" \
+        "$e: a gain of 1 is none"
+    alike "$e -k star $both" "$e -k star --light-group key:kernel=star
+        --light-group rim:gain=1,kernel=star" "$e: the kernel of -k is no other"
+    for how in key:kernel=ring,gain=3 rim:gain=.25,kernel=star fill fill:gain=0; do
+        # shellcheck disable=SC2086
+        "$glarepp" -q $e --light-group "$how" --type float \
+            --layer "$how.exr" plain.exr
+    done
+    for how in key:kernel=ring rim:kernel=star; do
+        # shellcheck disable=SC2086
+        "$glarepp" -q $e --light-group $how --type float --layer one.exr plain.exr
+        [ $how != key:kernel=ring ] || ok "$e: gain 3" ask times 3 one.exr \
+            key:kernel=ring,gain=3.exr
+        [ $how != rim:kernel=star ] || ok "$e: gain .25" ask times .25 one.exr \
+            rim:gain=.25,kernel=star.exr
+    done
+    # shellcheck disable=SC2086
+    run $e --light-group key:kernel=ring,gain=3 --light-group fill \
+        --light-group rim:gain=.25,kernel=star --type float --layer both.exr \
+        --verify --tolerance-pixel 1e-2 --report r.json plain.exr
+    quiet_success "$e: three kernels"
+    ok "$e: their layer is the sum of each one's" ask sums both.exr \
+        key:kernel=ring,gain=3.exr fill.exr rim:gain=.25,kernel=star.exr
+    is "$(field r.json '0 < o["measured"]["rel_l2"] <= o["bound"] < 1e-4')" True \
+        "$e: all of it is measured, within the bound"
+    is "$(field r.json '0 < o["measured"]["max_rel"] <= o["bound_pixel"] < 1e-2')" \
+        True "$e: ... and within the pixel's"
+    # shellcheck disable=SC2086
+    run $e --light-group key:kernel=ring,gain=3 --light-group rim:gain=.25 \
+        --type float --hdr h.exr plain.exr
+    ok "$e: --hdr: what the groups get is what the frame gets, no more" \
+        ask grown plain.exr h.exr
+done
+is "$(field r.json 'o["group_glare"]')" "[{'name': 'key', 'kernel': 'ring', 'gain': 3.0}, {'name': 'fill', 'gain': 1.0}, {'name': 'rim', 'kernel': 'star', 'gain': 0.25}]" \
+    'the report has kernels and gains'
+is "$(field r.json 'o["light_groups"], o["settings"]["light_group"][0]')" \
+    "(['key', 'fill', 'rim'], 'key:kernel=ring,gain=3')" '... names and words'
+# gains of group and frame are one: both move the light that they give
+for gain in .5 2; do
+    "$glarepp" -q -e direct --light-group key --type float -g 1 --hdr a.exr plain.exr
+    "$glarepp" -q -e direct --light-group key:gain=$gain --type float \
+        -g "$("$python" -c "print(1 / $gain)")" --hdr b.exr plain.exr
+    ok "scatter: gain $gain of a group and 1/$gain of the frame" ask times 1 \
+        a.exr b.exr
+    ok '... and of the group' ask times 1 a.exr b.exr key
+done
+own='--light-group key:kernel=star,gain=1.5 --light-group rim:kernel=ring'
+# shellcheck disable=SC2086
+{
+    "$glarepp" -q $own --threads 1 --hdr t1.exr --layer l1.exr plain.exr
+    "$glarepp" -q $own --threads 3 --frame-jobs 2 --hdr t2.exr --layer l2.exr plain.exr
+    same t1.exr t2.exr 'kernels of groups: the same bytes on three threads'
+    same l1.exr l2.exr '... and the same layer'
+    "$glarepp" -q $own --sun 30,20,2 --sun-color 900 --type float --layer both.exr plain.exr
+    "$glarepp" -q $own --type float --layer a.exr plain.exr
+    "$glarepp" -q --light-group fill:gain=0 --sun 30,20,2 --sun-color 900 \
+        --type float --layer b.exr plain.exr
+    ok 'the kernel of -k spreads the sun' ask sums both.exr a.exr b.exr
+    run -e fft $own --type float --hdr h.exr --layer l.exr huge.exr
+    ok 'kernels of groups: what overflows stays finite' ask clean h.exr 3.41e38
+    ok '... in the layer too' ask clean l.exr 3.41e38
+    run $own --verify --debug sensors=s.png --report r.json --layer l.exr dark.exr
+    is "$status $(field r.json 'o["measured"]["rel_l2"] <= o["bound"]')" '0 True' \
+        'a kernel without light'
+    run $own --hdr 'seq/h.#.exr' 'seq/f.#.exr'
+    quiet_success 'kernels of groups in a sequence'
+    "$glarepp" $own --hdr h.exr seq/f.3.exr
+    same seq/h.3.exr h.exr '... frame 3 as alone'
+}
+mkdir folder && frame folder/k.exr kind=kernel size=17x17 type=float
+alike '-k folder/k.exr --light-group key' '--light-group key:kernel=folder/k.exr' \
+    'an image as the kernel of a group'
+run --light-group key:gain=2,kernel=folder/k.exr \
+    --light-group rim:kernel=image:file=folder/k.exr,share=.5,gain=2 \
+    --layer l.exr --report r.json plain.exr
+like "$(field r.json 'o["command"]')" \
+    '*key:gain=2,kernel=k.exr *rim:kernel=image:file=k.exr,share=.5,gain=2 *' \
+    '... its folder is not in the command'
+run --light-group key:kernel=folder/k.exr --layer folder/k.exr plain.exr
+fails_with 2 folder/k.exr '... no output replaces it'
+ask make colon.exr colon
+"$glarepp" -q --light-group rim:b --layer a.exr colon.exr
+"$glarepp" -q --light-group rim:b:gain=1 --layer b.exr colon.exr
+"$glarepp" -q --light-group rim --layer c.exr plain.exr
+ok 'a colon in the name of a layer' ask same a.exr b.exr ''
+ok '... which is that layer' ask same a.exr c.exr ''
+
 # -- refusals ------------------------------------------------------------------
 
 # wrong STATUS NAME DESCRIPTION ARGUMENT...
@@ -241,6 +354,12 @@ wrong()
 }
 wrong 2 plain.exr 'no such layer' --light-group key --light-group nix plain.exr
 like "$(cat err)" '*nix*fill, key, rim*' 'no such layer: the line lists those there are'
+for how in key:gain=x key:gain=-1 key:gain=nan key:gain=1,gain=2 :gain=2 \
+    key:kernel= key:kernel=star,gain=2,gain=3 key:gain=2,x=1 key:gain=1e7; do
+    wrong 2 "$how" "no kernel or gain: $how" --light-group "$how" plain.exr
+done
+wrong 2 cross 'a wrong key of a kernel' --light-group key:kernel=cross:no=1 plain.exr
+wrong 3 sttar 'no such kernel' --light-group key:kernel=sttar plain.exr
 wrong 4 window.exr 'a group of another window' $both window.exr
 frame ids.exr 'channels=R,G,B,CryptoObject00.R:float,CryptoObject00.G:float,CryptoObject00.B:float,CryptoObject00.A:float'
 wrong 2 ids.exr 'ids as a group' --light-group CryptoObject00 ids.exr

@@ -54,6 +54,18 @@ elif what == "brightest":  # pixel, in 1/1000 of its largest channel
     v = read(args[0])[0]
     i = v.index(max(v)) // 3 * 3
     print("%.5g" % max(v), [round(1000 * n / max(v)) for n in v[i:i + 3]])
+elif what == "tinted":  # R,G,B S LAYER ITS-TINTED-ONE FRAME ITS-TINTED-ONE
+    tint, s = [float(n) for n in args[0].split(",")], float(args[1])
+    a, b, lit, other = (read(n)[0] for n in args[2:])
+    good = max(a) > 1
+    for i in range(0, len(a), 3):
+        y = sum(w * n for w, n in zip((.2126, .7152, .0722), a[i:i + 3]))
+        for c in range(3):
+            want = max(tint[c] * (y + s * (a[i + c] - y)), 0)
+            good &= abs(b[i + c] - want) <= 1e-6 * (want + y)
+            more = other[i + c] - lit[i + c] - (b[i + c] - a[i + c])
+            good &= abs(more) <= 1e-6 * max(lit[i + c], other[i + c], 1)
+    print(good)
 elif what == "finite":
     v = read(args[0])[0]
     print(all(abs(n) <= 3.4028235e38 for n in v) and max(v) > 1e35)
@@ -87,6 +99,40 @@ for kernel in star streak:length=5 cross:length=5 circle ring gaussian; do
 done
 out sun.0 sun -g 0
 same sun.0.pfm sun.pfm 'a float sun stays as it is'
+
+# -- the colour of the layer ---------------------------------------------------
+
+# with flare and lens; what scatters leaves its pixel as before
+for mix in add scatter; do
+    lights="--mix $mix -e fft --flare preset:zoom --lens heliar --sun 20,15,2.5
+        --sun-color 2e4,1e4,5e3"
+    # shellcheck disable=SC2086
+    out tint.no sun $lights --verify --report r.json --layer l.no.pfm
+    for row in '1,.5,.25 1' '1,1,1 0' '.9,1,2 2.5'; do
+        tint=${row% *} s=${row#* }
+        # shellcheck disable=SC2086
+        out tint.yes sun $lights --tint "$tint" --layer-saturation "$s" \
+            --layer l.yes.pfm --verify --report t.json
+        status_is 0 "--mix $mix --tint $tint --layer-saturation $s"
+        is "$("$python" light.py tinted "$tint" "$s" l.no.pfm l.yes.pfm \
+            tint.no.pfm tint.yes.pfm)" True '... its formula, in layer and picture'
+        # shellcheck disable=SC2086
+        "$glarepp" -q $lights --tint "$tint" --layer-saturation "$s" \
+            --layer l.only.pfm sun.pfm
+        same l.yes.pfm l.only.pfm '... the layer by itself'
+        is "$(field t.json 'o["measured"], o["bound"]')" \
+            "$(field r.json 'o["measured"], o["bound"]')" \
+            '... the errors are those of the layer before'
+    done
+    # shellcheck disable=SC2086
+    out tint.one sun $lights --tint 1,1,1 --layer-saturation 1 --layer l.one.pfm
+    same l.no.pfm l.one.pfm "--mix $mix --tint 1,1,1 --layer-saturation 1: nothing"
+done
+for wrong in '--tint 1,2' '--tint 1,-1,1' '--layer-saturation 11'; do
+    # shellcheck disable=SC2086
+    run $wrong --layer l.pfm sun.pfm
+    fails_with 2 "${wrong% *}" "$wrong"
+done
 
 # brightest FILE: the brightest pixel of an EXR and its hue
 brightest()

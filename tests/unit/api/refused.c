@@ -101,6 +101,8 @@ static void values_out_of_range(void **state)
     BAD(layer, group, 0, 3, -4, 65);
     BAD(layer, cluster, 6, -8, 65);
     BAD(layer, shrink, NAN, 1.0f);
+    BAD(layer, tint[2], NAN, -0.5f, INFINITY);
+    BAD(layer, saturation, NAN, -0.5f, 11.0f);
     BAD(light, place, (enum glarepp_place) 9);
     BAD(light, at[1], NAN, INFINITY);
     BAD(light, flux[2], NAN, -1.0f, INFINITY);

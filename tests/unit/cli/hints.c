@@ -12,7 +12,7 @@
 static const char *const wordless[] = {
     "frame.albedo", "frame.group", "frame.normal", "image.data", "image.plane",
     "image.type", "kernel.word", "layer.cluster", "layer.group",
-    "params.picture", "tone.config.file", "tone.curve", "tone.output.primaries",
+    "params.picture", "plan.more", "tone.config.file", "tone.curve", "tone.output.primaries",
 };
 // clang-format on
 

@@ -143,10 +143,14 @@ static void commands_make_the_same_picture(void **state)
          "glarepp --kernel builtin:star --dither in.exr"},
         {"-k image:file=/a/b/k.exr,share=.1 -o a i",
          "glarepp --kernel image:file=k.exr,share=.1 i"},
+        {"--light-group a:gain=2,kernel=/b/k.exr -o a i",
+         "glarepp --light-group a:gain=2,kernel=k.exr i"},
+        {"--light-group a:kernel=image:file=/b/k.exr,size=9,gain=2 -o a i",
+         "glarepp --light-group a:kernel=image:file=k.exr,size=9,gain=2 i"},
         {"--ocio /c/c.ocio --ocio-context SHOT=/jobs/four --view A/B -o a i",
          "glarepp --ocio c.ocio --ocio-context SHOT=four --view A/B i"},
         {"--ocio ocio://default -o a it's", "glarepp --ocio ocio://default "
-         "'it'\\''s'"},
+                                            "'it'\\''s'"},
         {"-o a x\ny\xff", "glarepp 'x y\xef\xbf\xbd'"},
         {"compare --heatmap /h.png --fail 1 /x/a.exr b.exr",
          "glarepp compare --fail 1 a.exr b.exr"},
@@ -413,25 +417,63 @@ static void kernels_are_scaled_as_asked(void **state)
     }
 }
 
+/* A layer's kernel ends at ",gain="; kernels are listed once, without that of -k. */
+static void groups_are_cut(void **state)
+{
+    struct gp_settings s;
+    assert_ok(
+        parse("-k star -o a i --light-group a:b:x=1 --light-group "
+              "c:kernel=cross:share=.1,points=6,gain=.5 --light-group "
+              "d:gain=2,kernel=star --light-group "
+              "e:kernel=cross:share=.1,points=6 --light-group f:kernel=ring",
+              &s));
+    const struct gp_light_group want[] = {
+        {"a:b:x=1", NULL, 0, 1.0f}, {"c", "cross:share=.1,points=6", 1, 0.5f},
+        {"d", "star", 0, 2.0f},     {"e", "cross:share=.1,points=6", 1, 1.0f},
+        {"f", "ring", 2, 1.0f},
+    };
+    for (size_t i = 0; i < COUNT(want); i++) {
+        const struct gp_light_group *const g = &s.input.group[i];
+        assert_string_equal(g->name, want[i].name);
+        assert_true(!g->kernel == !want[i].kernel);
+        if (g->kernel)
+            assert_string_equal(g->kernel, want[i].kernel);
+        assert_int_equal(g->more, want[i].more);
+        assert_true(g->gain == want[i].gain);
+    }
+    assert_int_equal(s.input.group_kernels.n, 2);
+    assert_string_equal(s.input.group_kernels.at[1], "ring");
+    gp_settings_free(&s);
+}
+
 // -- lines that are wrong, or do nothing -------------------------------------
 
 /* Values that an option does not take, beside those in tests/cli/errors.t: the
  * line names it. Words after "-o a i "; several with "|" between. */
 static const char *const bad_values[][2] = {
-    {"--gain", "-g ''|-g 1x|-g 1,5|-g nan"}, {"-qv", "-qv"},
-    {"--output", "-o ''"}, {"--depth", "--depth ''|--depth="},
-    {"--threshold", "-t -nan|-t 1e39"}, {"--max-value", "--max-value nan"},
+    {"--gain", "-g ''|-g 1x|-g 1,5|-g nan"},
+    {"-qv", "-qv"},
+    {"--output", "-o ''"},
+    {"--depth", "--depth ''|--depth="},
+    {"--threshold", "-t -nan|-t 1e39"},
+    {"--max-value", "--max-value nan"},
     {"--exposure", "--exposure -33"},
     {"--threads", "--threads 99999999999999999999"},
     {"--max-pixels", "--max-pixels 0|--max-pixels 1e6"},
-    {"--kernel-center", "--kernel-center 1,|--kernel-center 1,2,3|"
+    {"--kernel-center",
+     "--kernel-center 1,|--kernel-center 1,2,3|"
      "--kernel-center ,2|--kernel-center nan,2|--kernel-center 1,inf"},
-    {"--engine", "-e ''"}, {"--debug", "--debug foo=x"},
+    {"--engine", "-e ''"},
+    {"--debug", "--debug foo=x"},
     {"--sun", "--sun 1,2,3,4|--sun 1,2,|--sun 1,inf"},
     {"--sun-color", "--sun 1,2 --sun-color -1"},
+    {"--tint", "--tint 1|--tint 1,2|--tint 1,2,-1"},
+    {"--layer-saturation", "--layer-saturation -1|--layer-saturation 11"},
     {"--sun-map", "--sun 1,2 --sun-map 258"},
-    {"--group", "--group 128|--group x"}, {"--cluster", "--cluster -8"},
-    {"--cluster-fill", "--cluster-fill 1.01"}, {"--shrink", "--shrink nan"},
+    {"--group", "--group 128|--group x"},
+    {"--cluster", "--cluster -8"},
+    {"--cluster-fill", "--cluster-fill 1.01"},
+    {"--shrink", "--shrink nan"},
     {"--tolerance", "--tolerance nan"},
     {"--rotate", "--rotate inf|--rotate north"},
 };
@@ -531,8 +573,8 @@ static void warnings(void **state)
 }
 
 SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
-         commands_make_the_same_picture, forms_of_values, forms_of_thresholds,
-         words_that_look_like_options, topics_of_help, clusters_follow_groups,
-         commands, plans_get_all_settings, other_light_is_added,
+         commands_make_the_same_picture, groups_are_cut, forms_of_values,
+         forms_of_thresholds, words_that_look_like_options, topics_of_help,
+         clusters_follow_groups, commands, plans_get_all_settings, other_light_is_added,
          suns_are_lights, kernels_are_scaled_as_asked, errors_say_what_is_wrong,
          warnings)

@@ -163,7 +163,50 @@ static void dim_takes_its_share(void **state)
     }
 }
 
+/* The formula in plain double, over layers of any sign up to the largest float;
+ * a tint alone keeps other channels' bits, an empty layer stays empty. */
+static void tints_are_their_formula(void **state)
+{
+    static const struct gp_tint_params rows[] = {
+        {{1.0f, 0.5f, 2.0f}, 1.0f},
+        {{1.0f, 1.0f, 1.0f}, 0.0f},
+        {{0.25f, 1.0f, 0.0f}, 3.0f},
+        {{1e6f, 1.0f, 1.0f}, 10.0f},
+    };
+    enum { W = 37, H = 23, N = W * H };
+    for (size_t r = 0; r < COUNT(rows); r++) {
+        const struct gp_tint_params *const p = &rows[r];
+        struct scene s = noise_scene(noise_frame(W, H, 3, 50.0f));
+        const float *const weight = s.f.luminance;
+        float was[3][N];
+        for (int c = 0; c < 3; c++) {
+            s.f.layer.c[c][5] = c ? FLT_MAX : 0.0f;
+            s.f.layer.c[c][6] = c ? 1.0f : -1.0f;
+            memcpy(was[c], s.f.layer.c[c], sizeof was[c]);
+        }
+        gp_layer_tint(p, &s.f);
+        for (int i = 0; i < 3 * N; i++) {
+            const int c = i / N, k = i % N;
+            double y = 0.0;
+            for (int j = 0; j < 3; j++)
+                y += (double) weight[j] * (double) was[j][k];
+            const double all =
+                (double) p->tint[c] *
+                (y + (double) p->saturation * ((double) was[c][k] - y));
+            const double want = fmin(fmax(all, 0.0), (double) FLT_MAX);
+            assert_true(fabs((double) s.f.layer.c[c][k] - want) <=
+                        1e-6 * (want + fabs(y)));
+            if (p->saturation == 1.0f && p->tint[c] == 1.0f &&
+                was[c][k] >= 0.0f)
+                assert_true(s.f.layer.c[c][k] == was[c][k]);
+        }
+        gp_planes_free(&s.f.layer);
+        gp_layer_tint(p, &s.f);
+        assert_null(s.f.layer.c[0]);
+        scene_free(&s);
+    }
+}
+
 SUITE_OF(compose, NULL, NULL, mixes_are_their_formulas,
          scatter_conserves_energy, a_last_layer_becomes_the_lit_frame,
-         dim_takes_its_share)
-
+         dim_takes_its_share, tints_are_their_formula)

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Light groups of a frame: their sources, what each kernel spreads of them, and
+ * the glare of each by itself. */
+#include "api/plan.h"
+
+#include "core/clock.h"
+#include "core/luminance.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+// -- sources ------------------------------------------------------------------
+
+/* The share of a group's light that SCATTER takes from the frame, over the share
+ * min(gain, 1) that compose takes of what it is given. */
+static float taken_of(const struct glarepp_frame *f,
+                      const struct gp_api_group *g)
+{
+    const float gain = f->plan->compose.gain;
+    return gain > 0.0f ? gp_minf(gain * g->how.gain, 1.0f) / gp_minf(gain, 1.0f)
+                       : 0.0f;
+}
+
+/* Joins the light of groups of that kernel (-1: of any), each times its gain, or
+ * what is taken of it. `like` has the geometry and counts of all. */
+static gp_status join_groups(struct glarepp_frame *f, int kernel, bool taken,
+                             const struct gp_sources *like,
+                             struct gp_sources *out)
+{
+    struct gp_source *list = NULL;
+    size_t n = 0;
+    gp_status st;
+    for (int i = 0; i < f->groups; i++)
+        n += f->group[i].sources.n;
+    GP_TRY(gp_alloc(&f->log, "light of the groups", n, sizeof *list, &list));
+    n = 0;
+    for (int g = 0; g < f->groups; g++) {
+        const struct gp_sources *const s = &f->group[g].sources;
+        const struct glarepp_group *const how = &f->group[g].how;
+        const float gain = taken ? taken_of(f, &f->group[g]) : how->gain;
+        if (kernel >= 0 && how->kernel != kernel)
+            continue;
+        for (int y = 0; y < s->h; y++) {
+            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++, n++) {
+                list[n] = (struct gp_source) {.x = s->x[i], .y = y};
+                for (int c = 0; c < 3; c++)
+                    list[n].rgb[c] = gp_minf(gain * s->rgb[c][i], FLT_MAX);
+            }
+        }
+    }
+    st = gp_sources_join(&f->log, like, list, n, out);
+out:
+    gp_free(list);
+    return st;
+}
+
+/* Splits the sources where groups have several kernels, or gains. */
+static gp_status split(struct glarepp_frame *f, const struct gp_sources *like)
+{
+    const int mores = f->plan->mores;
+    bool gains = false, kernels = false;
+    gp_status st = GP_OK;
+    for (int i = 0; i < f->groups; i++) {
+        gains = gains || f->group[i].how.gain != 1.0f;
+        kernels = kernels || f->group[i].how.kernel > 0;
+    }
+    if (gains && f->plan->compose.mix == GLAREPP_SCATTER)
+        GP_TRY(join_groups(f, -1, true, like, &f->taken));
+    if (!kernels)
+        return GP_OK;
+    GP_TRY(join_groups(f, 0, false, like, &f->rest));
+    if (!f->more)
+        GP_TRY(gp_alloc_zero(&f->log, "light groups", (size_t) mores,
+                             sizeof *f->more, &f->more));
+    for (int i = 0; i < mores; i++)
+        GP_TRY(join_groups(f, 1 + i, false, like, &f->more[i].sources));
+out:
+    return st;
+}
+
+gp_status gp_api_sense_groups(struct glarepp_frame *f)
+{
+    struct gp_sources *const src = &f->sources;
+    struct gp_sources none = {0}, all = {0};
+    struct glarepp_sense_params sense = f->plan->sense;
+    gp_status st;
+    sense.threshold = src->threshold; // the frame's, for all of them
+    sense.unit = GLAREPP_LUMINANCE;
+    memset(src->faint, 0, sizeof src->faint);
+    for (int i = 0; i < f->groups; i++) {
+        struct gp_sources *const own = &f->group[i].sources;
+        GP_TRY(gp_sense(&f->log, &sense, &f->group[i].image, own));
+        src->nonfinite += own->nonfinite;
+        src->clamped += own->clamped;
+        for (int c = 0; c < 3; c++) {
+            src->faint[c] += own->faint[c];
+            src->flux_clamped[c] += own->flux_clamped[c];
+        }
+    }
+    // keep the frame's geometry and counts, replace its light
+    GP_TRY(gp_sources_make(&f->log, src, 0, &none));
+    gp_sources_finish(&none);
+    GP_TRY(join_groups(f, -1, false, &none, &all));
+    gp_sources_free(src);
+    *src = all;
+    st = split(f, &none);
+out:
+    gp_sources_free(&none);
+    return st;
+}
+
+// -- layers -------------------------------------------------------------------
+
+/* Returns the way the picture goes on for `own`, a part of its sources. */
+static struct gp_surround edges_of(const struct glarepp_frame *f,
+                                   const struct gp_sources *own)
+{
+    return (struct gp_surround) {f->plan->edges,
+                                 f->whole.row ? &f->whole : &f->sources, own};
+}
+
+/* What a kernel spreads. */
+struct part {
+    const struct gp_sources *light, *own; // ... without lights
+    const struct gp_kernel *kernel;
+    struct gp_glare *engines;
+};
+
+/* Returns part i, of the plan's kernel 0 or one of groups. */
+static struct part part_of(const struct glarepp_frame *f, int i)
+{
+    struct gp_api_run *const run = i ? &f->more[i - 1] : NULL;
+    return run ? (struct part) {&run->sources, &run->sources,
+                                run->kernel ? &run->kernel->k : NULL,
+                                &f->work->more[i - 1]}
+               : (struct part) {gp_api_light(f), gp_api_bright(f),
+                                gp_api_kernel(f), &f->work->engines};
+}
+
+/* Parts that there may be. */
+static int parts_of(const struct glarepp_frame *f)
+{
+    return f->more ? 1 + f->plan->mores : 1;
+}
+
+/* Parts on their way to one layer. */
+struct sum {
+    struct gp_glare_params p;
+    int parts, drawn;
+    double error;  // of those drawn, norm
+    bool negative; // one may take light away
+};
+
+/* Draws a part: the first as the frame's layer, others are added to it. */
+static gp_status draw_part(struct glarepp_frame *f, const struct part *part,
+                           struct sum *sum)
+{
+    struct glarepp_layer_facts *const facts = &f->facts.layer;
+    struct glarepp_layer_facts stats = {0};
+    struct gp_image apart = f->image; // (its other planes are borrowed)
+    struct gp_image *const to = sum->drawn ? &apart : &f->image;
+    double norm2[2] = {0}, total[3];
+    apart.layer = (struct gp_planes) {0};
+    sum->p.edges = edges_of(f, part->own);
+    gp_status st = gp_glare_run(&f->log, &sum->p, part->engines, part->light,
+                                part->kernel, to, &stats);
+    if (!st && sum->drawn)
+        st = gp_api_add_layer(&f->log, to, &f->image, norm2);
+    else if (!st && sum->parts > 1)
+        gp_planes_sum(&to->layer, gp_image_pixels(to), total, norm2);
+    gp_planes_free(&apart.layer);
+    if (st)
+        return st;
+    sum->error += gp_api_error_of(stats.bound, norm2[0]);
+    sum->negative = sum->negative || part->kernel->negative;
+    if (sum->drawn++ == 0) {
+        *facts = stats;
+    } else {
+        facts->engine =
+            facts->engine == stats.engine ? stats.engine : "several";
+        facts->bound_pixel += stats.bound_pixel;
+    }
+    return GP_OK;
+}
+
+/* Bounds the errors of the sum of several parts, each addition's rounding among
+ * them. */
+static void bound_sum(struct glarepp_frame *f, const struct sum *sum)
+{
+    struct glarepp_layer_facts *const facts = &f->facts.layer;
+    const float *const weight = f->image.luminance;
+    const double rounding = 0x1p-22 * (sum->drawn - 1);
+    double total[3], norm2;
+    gp_planes_sum(&f->image.layer, gp_image_pixels(&f->image), total, &norm2);
+    facts->bound =
+        gp_api_bound_of(sum->error + rounding * sqrt(norm2), sqrt(norm2));
+    // a part's is of the picture with that part alone: others make it no darker
+    if (sum->negative ||
+        gp_minf(weight[0], gp_minf(weight[1], weight[2])) < 0.0f)
+        facts->bound_pixel *= INFINITY;
+    else if (facts->bound_pixel > 0.0)
+        facts->bound_pixel += rounding;
+}
+
+gp_status gp_api_layers(struct glarepp_frame *f)
+{
+    struct sum sum = {.p = f->plan->glare};
+    gp_status st = GP_OK;
+    for (int i = 0; i < parts_of(f); i++)
+        sum.parts += part_of(f, i).light->n > 0;
+    sum.p.taken = gp_api_taken(f);
+    sum.p.last = f->p.last;
+    sum.p.seen = f->p.noise;
+    // n layers of norms |l| have sum of |l| <= sqrt(n) |sum of l|, none negative
+    sum.p.tolerance /= (float) gp_max(sum.parts, 1);
+    sum.p.tolerance_pixel /= (float) gp_max(sum.parts, 1);
+    for (int i = 0; i < parts_of(f); i++) {
+        const struct part part = part_of(f, i);
+        if (part.light->n > 0)
+            GP_TRY(draw_part(f, &part, &sum));
+    }
+    if (sum.parts > 1)
+        bound_sum(f, &sum);
+    if (!sum.parts)
+        f->facts.layer = (struct glarepp_layer_facts) {
+            .engine = "none",
+            .why = "no pixel is over the threshold",
+        };
+out:
+    return st;
+}
+
+gp_status gp_api_exact(struct glarepp_frame *f, double **out)
+{
+    const size_t n = 3 * gp_image_pixels(&f->image);
+    double *sum = NULL, *more = NULL;
+    gp_status st = GP_OK;
+    *out = NULL;
+    for (int i = 0; i < parts_of(f); i++) {
+        const struct part part = part_of(f, i);
+        const struct gp_surround edges = edges_of(f, part.own);
+        double **const to = sum ? &more : &sum;
+        if (!part.light->n)
+            continue;
+        if (!*to)
+            GP_TRY(gp_alloc(&f->log, "exact layer", n, sizeof **to, to));
+        GP_TRY(
+            gp_glare_reference(&f->log, &edges, part.light, part.kernel, *to));
+        for (size_t k = 0; more && k < n; k++)
+            sum[k] += more[k];
+    }
+    *out = sum;
+    sum = NULL;
+out:
+    gp_free(sum);
+    gp_free(more);
+    return st;
+}
+
+// -- the glare of a group -----------------------------------------------------
+
+/* Adds the flare of a group's bright pixels, at the frame's level. */
+static gp_status add_flare(struct glarepp_frame *f, struct gp_api_group *g,
+                           struct glarepp_flare_facts *facts)
+{
+    const double gain = f->facts.flare.gain;
+    struct gp_planes before = {0};
+    gp_status st = GP_OK;
+    if (gain > 0.0 && gain != 1.0)
+        st = gp_api_part_open(f, &g->image, &before);
+    if (!st)
+        st = gp_api_ghosts_add(f, &g->sources, &f->work->lights->group_ghosts,
+                               &g->image, facts);
+    if (before.c[0])
+        gp_api_part_close(f, &g->image, gain, &before, NULL);
+    return st;
+}
+
+gp_status gp_api_compose_group(struct glarepp_frame *f, struct gp_api_group *g,
+                               const struct gp_compose_params *frame)
+{
+    struct gp_api_work *const work = f->work;
+    const int more = g->how.kernel - 1;
+    const struct gp_made_kernel *const made = more < 0  ? f->kernel
+                                              : f->more ? f->more[more].kernel
+                                                        : NULL;
+    const bool glares = g->sources.n > 0 && made && g->how.gain > 0.0f;
+    struct glarepp_layer_facts stats = {0};
+    struct glarepp_flare_facts flare = {0};
+    struct gp_glare_params glare = f->plan->glare;
+    struct gp_compose_params p = *frame;
+    const double start = gp_now_ms(), cpu = gp_cpu_ms();
+    gp_status st = GP_OK;
+    p.gain *= g->how.gain;
+    glare.gain = p.gain;
+    glare.edges = edges_of(f, &g->sources);
+    if (glares)
+        st = gp_glare_run(&f->log, &glare,
+                          more < 0 ? &work->group_engines : &work->more[more],
+                          &g->sources, &made->k, &g->image, &stats);
+    if (!st && work->lights)
+        st = add_flare(f, g, &flare);
+    if (g->sources.n > 0) {
+        f->facts.engines_ms += gp_now_ms() - start;
+        f->facts.engines_cpu_ms += gp_cpu_ms() - cpu;
+    }
+    if (!st && f->plan->tints)
+        gp_layer_tint(&f->plan->tint, &g->image);
+    if (!st)
+        st = gp_compose(&f->log, &p, &g->sources, &g->image);
+    gp_planes_free(&g->image.layer);
+    return st;
+}
