@@ -281,7 +281,7 @@ run --progress always -o out.png nowhere.exr
 is "$(grep -c '^glarepp: nowhere.exr' err)" 1 'progress: the error has a line of its own'
 
 # on a terminal: drawn over and over on one line, which is wiped at the end
-frame wide.0001.exr size=320x200
+frame wide.0001.exr size=640x400
 for n in 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16; do
     ln wide.0001.exr wide.00$n.exr
 done

@@ -84,6 +84,8 @@ static const struct hard_case hard_cases[] = {
     {"kernel over the frame, all lit", 40, 30, ALL, 200, 151, MID, 0, TINTED,
      OF_KERNEL, .sources = 1200},
     {"zero borders", 64, 48, FEW, 33, 31, MID, 0, BORDER, OF_KERNEL},
+    {"slanted, even about its centre", 64, 48, FEW, 41, 33, MID, 0, SLANT,
+     OF_KERNEL},
     {"negative lobes", 64, 48, FEW, 31, 31, MID, 0, LOBES, OF_KERNEL},
     {"negative lobes, all lit", 50, 41, ALL, 31, 31, MID, 0, LOBES, OF_KERNEL},
     {"coloured light, grey kernel", 64, 48, COLOURED, 21, 21, MID, 0, PEAK,

@@ -48,6 +48,7 @@ enum shape {
     HOLES,  // every third sample, another one a channel
     RING,   // dark within 4/5 of its radius
     LOBES,  // negative ones
+    SLANT,  // even about its centre, and not from side to side
     BORDER, // PEAK with zeros around it, more on the left and the top
     DIPOLE, // 1 in its left half and -1 in its right one, not normalised
 };
@@ -213,6 +214,8 @@ static inline double scene_tap(enum shape shape, int c, int x, int y, int w,
         return r2 >= 0.16 * fmin(w * w, h * h) ? 1.0 : 0.0;
     case LOBES:
         return cos(0.7 * dx + 0.2 * c) * cos(0.4 * dy) * peak;
+    case SLANT: // (exactly even: dx and dy are halves)
+        return 1.0 / (1.0 + (dx + 2.0 * dy) * (dx + 2.0 * dy) + 0.01 * r2);
     case BORDER:
         return x < w / 4 || y < h / 3 || x >= w - 2 || y >= h - 1 ? 0.0 : peak;
     case DIPOLE:

@@ -155,7 +155,8 @@ static void bridges_are_looked_for(void **state)
     set_env("GLAREPP_BRIDGES", NULL);
 }
 
-/* Only the samples asked for become 0, in few as in many. */
+/* Only the samples asked for become 0, in few as in many, and no plane has samples
+ * of another. */
 static void planes_are_cleared(void **state)
 {
     static const size_t sizes[] = {1, 100, 300000};
@@ -164,12 +165,13 @@ static void planes_are_cleared(void **state)
         struct gp_planes p;
         assert_ok(gp_planes_make(NULL, "test", n, &p));
         for (size_t i = 0; i < 3 * n; i++)
-            p.c[i / n][i % n] = 1.0f;
+            p.c[i / n][i % n] = (float) (1 + i / n);
         gp_planes_clear(&p, from, 0);
         gp_planes_clear(&p, from, count);
         for (size_t i = 0; i < 3 * n; i++) {
             const bool inside = i % n >= from && i % n < from + count;
-            assert_true(p.c[i / n][i % n] == (inside ? 0.0f : 1.0f));
+            assert_true(p.c[i / n][i % n] ==
+                        (inside ? 0.0f : (float) (1 + i / n)));
         }
         gp_planes_free(&p);
     }
