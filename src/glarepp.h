@@ -438,8 +438,8 @@ struct glarepp_light_params {
      * them. 0: only those that FOUND lights name, and 32 where a flare or a lens
      * needs lights and none may be there. */
     int found;
-    float flare_gain;      // of the flare; 0: its brightest pixel over a dark one
-                           // becomes a quarter of white, by the tone's exposure
+    float flare_gain; // of the flare; 0: its brightest pixel over a dark one
+                      // becomes a quarter of white, by the tone's exposure
 };
 #define GLAREPP_LIGHT_PARAMS                                                   \
     {                                                                          \
@@ -461,8 +461,10 @@ struct glarepp_lens_params {
                            // times the time; 0: fine for up to 8 lights
     float gain;            // of the ghosts; 0: as flare_gain of lights
 };
-#define GLAREPP_LENS_PARAMS                                                   \
-    { sizeof(struct glarepp_lens_params), NULL, 0.0, 0.0, 0.0, 0, 1.0f }
+#define GLAREPP_LENS_PARAMS                                              \
+    {                                                                    \
+        sizeof(struct glarepp_lens_params), NULL, 0.0, 0.0, 0.0, 0, 1.0f \
+    }
 
 enum glarepp_up { GLAREPP_UP_AUTO, GLAREPP_UP_Y, GLAREPP_UP_Z };
 
@@ -672,13 +674,16 @@ enum glarepp_view {
     GLAREPP_OUTPUT, // LIT in the tone's output space; before COMPOSE, the
                     // frame itself
     // pictures to look at
-    GLAREPP_POLYGONS,  // Ando et al. 2007, Figure 6, over SHOWN
-    GLAREPP_SUNMAP, GLAREPP_INTENSITY,
-    GLAREPP_TRUTH,     // the sum in double, after VERIFY of a frame with `details`
+    GLAREPP_POLYGONS, // Ando et al. 2007, Figure 6, over SHOWN
+    GLAREPP_SUNMAP,
+    GLAREPP_INTENSITY,
+    GLAREPP_TRUTH, // the sum in double, after VERIFY of a frame with `details`
     // of a frame with `parts`, which add up to GLARE: of the sources' light what
     // leaves its pixel, with that of lights beside the frame; what stays;
     // elements; ghosts of a lens
-    GLAREPP_PART_VEIL, GLAREPP_PART_CORE, GLAREPP_PART_FLARE,
+    GLAREPP_PART_VEIL,
+    GLAREPP_PART_CORE,
+    GLAREPP_PART_FLARE,
     GLAREPP_PART_GHOSTS,
     // set by the caller, before SENSE: plane[0], share of a pixel's light that
     // may glare; 0 outside of its window
@@ -766,7 +771,7 @@ struct glarepp_flare_facts {    // of bright pixels
     int elements, runs;
     const char *engine;
     double bound, ms, cpu_ms;
-    double gain;                // of all elements; 0: there are none
+    double gain; // of all elements; 0: there are none
 };
 
 struct glarepp_lens_facts {

@@ -78,17 +78,18 @@ static struct gp_planes *planes_of(struct glarepp_frame *f,
                                    struct gp_image *image,
                                    enum glarepp_view view)
 {
-    return view == GLAREPP_CLEAN       ? &image->rgb
-           : view == GLAREPP_GLARE     ? &image->layer
-           : view == GLAREPP_LIT       ? &image->lit
-           : view == GLAREPP_SHOWN     ? &image->shown
-           : view == GLAREPP_SOURCES   ? &f->sources_shown
-           : view == GLAREPP_POLYGONS  ? &f->polygons
-           : view == GLAREPP_TRUTH     ? &f->truth
+    return view == GLAREPP_CLEAN      ? &image->rgb
+           : view == GLAREPP_GLARE    ? &image->layer
+           : view == GLAREPP_LIT      ? &image->lit
+           : view == GLAREPP_SHOWN    ? &image->shown
+           : view == GLAREPP_SOURCES  ? &f->sources_shown
+           : view == GLAREPP_POLYGONS ? &f->polygons
+           : view == GLAREPP_TRUTH    ? &f->truth
            : view >= GLAREPP_PART_VEIL && view <= GLAREPP_PART_GHOSTS
                ? &f->part[view - GLAREPP_PART_VEIL]
            : view == GLAREPP_SUNMAP    ? &f->sunmap.planes
-           : view == GLAREPP_INTENSITY ? &f->intensity.planes : NULL;
+           : view == GLAREPP_INTENSITY ? &f->intensity.planes
+                                       : NULL;
 }
 
 void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)

@@ -106,7 +106,8 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail,
     const double width = sensor_width(f, &lens);
     const double mm = width / gp_rect_w(image->display);
     const struct gp_lens_view view = {
-        .frame = image->data, .display = image->display,
+        .frame = image->data,
+        .display = image->display,
         .mm = {mm, mm / (double) image->pixel_aspect},
         .chromaticities = image->chromaticities,
         .luminance = image->luminance,
@@ -167,9 +168,9 @@ gp_status gp_api_lens(struct glarepp_frame *f)
     struct glarepp_lens_facts *const facts = &f->facts.lens;
     const int n = suns->placed + gp_max(f->plan->sun.found, suns->knowns);
     const int asked = f->plan->lens_params.detail;
-    const enum gp_lens_detail detail =
-        asked                ? (enum gp_lens_detail) (asked - 1)
-        : n > 0 && n <= FEW ? GP_LENS_FINE : GP_LENS_COARSE;
+    const enum gp_lens_detail detail = asked ? (enum gp_lens_detail)(asked - 1)
+                                       : n > 0 && n <= FEW ? GP_LENS_FINE
+                                                           : GP_LENS_COARSE;
     const bool apart = f->p.parts || f->plan->lens_params.gain != 1.0f;
     double sum[3], squares;
     gp_status st = gp_api_dark_layer(&f->log, &f->image);

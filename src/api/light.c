@@ -188,8 +188,9 @@ static void warn_of_hidden(struct glarepp_frame *f, const struct gp_light *l)
         gp_api_says(&f->plan->said, GP_SAID_HIDDEN))
         gp_say_at(&f->log, GP_LEVEL_WARN, "lights.depth_there",
                   "%s: the light %s at %.1f,%.1f is hidden by bright pixels at "
-                  "its own place (depth %.6g, the light's %.6g)", f->sink.name,
-                  l->name[0] ? l->name : "", l->x, l->y, depth, l->depth);
+                  "its own place (depth %.6g, the light's %.6g)",
+                  f->sink.name, l->name[0] ? l->name : "", l->x, l->y, depth,
+                  l->depth);
 }
 
 void gp_api_warn_of_lights(struct glarepp_frame *f)
@@ -212,10 +213,12 @@ void gp_api_warn_of_lights(struct glarepp_frame *f)
             brightest = (double) gp_luminance_peak(&f->image, at);
         if (own > MANY * brightest && brightest > 0.0 &&
             gp_api_says(&f->plan->said, GP_SAID_BRIGHT))
-            gp_say_at(&f->log, GP_LEVEL_WARN, "lights.flux",
-                      "%s: the light %s is %.0f times as bright as the brightest "
-                      "pixel (%.3g a pixel, %.3g)", f->sink.name,
-                      l->name[0] ? l->name : "", own / brightest, own, brightest);
+            gp_say_at(
+                &f->log, GP_LEVEL_WARN, "lights.flux",
+                "%s: the light %s is %.0f times as bright as the brightest "
+                "pixel (%.3g a pixel, %.3g)",
+                f->sink.name, l->name[0] ? l->name : "", own / brightest, own,
+                brightest);
     }
 }
 
@@ -266,8 +269,8 @@ gp_status gp_api_flare(struct glarepp_frame *f)
         GP_TRY(gp_flare_add(&f->log, &suns->flare, suns->light, suns->n,
                             f->image.data, f->image.display, &f->image.layer));
     const double cpu = gp_cpu_ms();
-    GP_TRY(gp_api_ghosts_add(f, &f->sources, &f->work->lights->ghosts, &f->image,
-                             facts));
+    GP_TRY(gp_api_ghosts_add(f, &f->sources, &f->work->lights->ghosts,
+                             &f->image, facts));
     f->facts.engines_ms = facts->ms;
     f->facts.engines_cpu_ms = gp_cpu_ms() - cpu;
     if (before.c[0])

@@ -20,12 +20,11 @@ static void move_core(struct glarepp_frame *f, const struct gp_sources *s,
         k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
     for (int c = 0; c < 3 && s->n && inside; c++) {
         float *const veil = f->part[0].c[c], *const core = f->part[1].c[c];
-        const float centre = k->k.c[c][(size_t) k->cy * (size_t) k->w +
-                                       (size_t) k->cx];
+        const float centre =
+            k->k.c[c][(size_t) k->cy * (size_t) k->w + (size_t) k->cx];
         for (int y = 0; y < s->h; y++) {
             for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-                const size_t p =
-                    (size_t) y * (size_t) s->w + (size_t) s->x[i];
+                const size_t p = (size_t) y * (size_t) s->w + (size_t) s->x[i];
                 core[p] += s->rgb[c][i] * centre;
                 veil[p] -= s->rgb[c][i] * centre;
             }
@@ -80,8 +79,8 @@ gp_status gp_api_part_open(struct glarepp_frame *f, struct gp_image *image,
 struct rows {
     const struct gp_image *image;
     const struct gp_planes *part, *to;
-    float gain, dark;    // luminance of the picture that counts as dark
-    float (*peak)[2];    // of each row: in dark pixels, in all
+    float gain, dark; // luminance of the picture that counts as dark
+    float (*peak)[2]; // of each row: in dark pixels, in all
 };
 
 static void find_peak(void *ctx, int y, int thread)
@@ -127,8 +126,8 @@ gp_status gp_api_part_level(struct glarepp_frame *f,
     if (gain > 0.0f)
         return GP_OK;
     const double white = gp_exp(-M_LN2 * (double) plan->tone.exposure);
-    struct rows r = {.image = image, .part = &image->layer,
-                     .dark = (float) (WHITE * white)};
+    struct rows r = {
+        .image = image, .part = &image->layer, .dark = (float) (WHITE * white)};
     const gp_status st =
         gp_alloc_zero(&f->log, "rows", (size_t) h, sizeof *r.peak, &r.peak);
     if (st)
@@ -140,8 +139,8 @@ gp_status gp_api_part_level(struct glarepp_frame *f,
     }
     gp_free(r.peak);
     const double most = (double) (peak[0] > 0.0f ? peak[0] : peak[1]);
-    const double shown = plan->compose.gain > 0.0f
-                             ? (double) plan->compose.gain : 1.0;
+    const double shown =
+        plan->compose.gain > 0.0f ? (double) plan->compose.gain : 1.0;
     *level = most > 0.0 ? fmin(WHITE * white / (shown * most), 1e30) : 1.0;
     return GP_OK;
 }
@@ -151,8 +150,8 @@ void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
                        struct gp_planes *kept)
 {
     struct gp_planes part = image->layer;
-    const struct rows r = {.image = image, .part = &part, .to = before,
-                           .gain = (float) level};
+    const struct rows r = {
+        .image = image, .part = &part, .to = before, .gain = (float) level};
     gp_parallel_do(gp_image_h(image), add_part, (void *) (uintptr_t) &r);
     image->layer = *before;
     *before = (struct gp_planes) {0};

@@ -258,17 +258,20 @@ gp_status gp_api_lens(struct glarepp_frame *f);
 /* Takes the layer of an image away, to `before`, and gives it a dark one to draw a
  * part in. Errors: GP_ERR_BUG out of memory; the layer is as it was. */
 GP_MUST_CHECK gp_status gp_api_part_open(struct glarepp_frame *f,
-    struct gp_image *image, struct gp_planes *before);
+                                         struct gp_image *image,
+                                         struct gp_planes *before);
 
 /* The factor of a part: `gain`, or where that is 0 the one that makes its
  * brightest pixel over a dark one of the frame a quarter of white. */
 GP_MUST_CHECK gp_status gp_api_part_level(struct glarepp_frame *f,
-    const struct gp_image *image, float gain, double *level);
+                                          const struct gp_image *image,
+                                          float gain, double *level);
 
 /* Adds the part times `level` to the layer of before. It is kept in *kept, which
  * may be NULL, where parts are wanted. */
 void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
-    double level, struct gp_planes *before, struct gp_planes *kept);
+                       double level, struct gp_planes *before,
+                       struct gp_planes *kept);
 
 /* Makes a part that is looked at, where no step did: without flare and ghosts, or
  * dark. Errors: GP_ERR_BUG out of memory. */

@@ -499,7 +499,7 @@ static gp_status tint(struct glarepp_frame *f)
         return st;
     for (int i = 0; i < GP_PARTS && f->p.parts; i++) {
         struct gp_image part = f->image; // (its other planes are borrowed)
-        GP_TRY(gp_api_part_find(f, (enum glarepp_view) (GLAREPP_PART_VEIL + i)));
+        GP_TRY(gp_api_part_find(f, (enum glarepp_view)(GLAREPP_PART_VEIL + i)));
         part.layer = f->part[i];
         gp_layer_tint(&f->plan->tint, &part);
     }
@@ -536,8 +536,7 @@ static gp_status compose(struct glarepp_frame *f)
         pthread_mutex_unlock(&plan->lock);
     }
     const struct gp_sources *const taken = gp_api_taken(f);
-    st = gp_compose(&f->log, &p, taken ? taken : &f->sources,
-                    &f->image);
+    st = gp_compose(&f->log, &p, taken ? taken : &f->sources, &f->image);
     p.last = true;
     for (int i = 0; i < f->groups && !f->p.groups_glare && !st; i++)
         st = gp_api_compose_group(f, &f->group[i], &p);

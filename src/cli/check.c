@@ -30,15 +30,32 @@ struct need {
     const char *text, *found, *end; // printed one after the other
 };
 
+/* Tests whether there is an output file, and whether one has no ending. */
+static void look_at_outputs(const struct gp_settings *s, bool *files,
+                            bool *stream)
+{
+    const struct gp_texts *const outputs[] = {
+        &s->output.pictures, &s->output.hdr, &s->output.layer,
+        &s->output.parts};
+    *files = *stream = false;
+    for (int k = 0; k < 4; k++) {
+        *files = *files || outputs[k]->n;
+        for (int i = 0; i < outputs[k]->n; i++)
+            *stream = *stream || open_ended(outputs[k]->at[i]);
+    }
+    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
+        *stream = *stream || open_ended(s->output.debug[i]);
+        *files = *files || s->output.debug[i];
+    }
+}
+
 /* All needs: the i-th is of bit 1 << i, and they are checked in this order. */
 struct needs {
     struct need at[GP_NEEDS];
 };
+// clang-format off
 static struct needs needs_of(const struct gp_settings *s)
 {
-    const struct gp_texts *const outputs[] = {&s->output.pictures,
-                                              &s->output.hdr, &s->output.layer,
-                                              &s->output.parts};
     const struct gp_sun_settings *const sun = &s->sun;
     const bool light = gp_lights_wanted(s);
     const bool config = s->tone.map.config != NULL;
@@ -50,16 +67,8 @@ static struct needs needs_of(const struct gp_settings *s)
     const char *const curve = s->tone.map.curve;
     const bool chosen = strcmp(engine, "auto") == 0;
     const char *const input = s->input.files.n ? s->input.files.at[0] : "";
-    bool stream = false, files = false;
-    for (int k = 0; k < 4; k++) {
-        files = files || outputs[k]->n;
-        for (int i = 0; i < outputs[k]->n; i++)
-            stream = stream || open_ended(outputs[k]->at[i]);
-    }
-    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
-        stream = stream || open_ended(s->output.debug[i]);
-        files = files || s->output.debug[i];
-    }
+    bool stream, files;
+    look_at_outputs(s, &files, &stream);
     return (struct needs) {{
         {s->input.files.n == 0, "measures frames of its own (found input ",
          input, "); leave one of the two out"},
@@ -104,6 +113,7 @@ static struct needs needs_of(const struct gp_settings *s)
         {files, "does nothing without an output file; leave it out", "", ""},
     }};
 }
+// clang-format on
 
 unsigned gp_needs_unmet(const struct gp_settings *s)
 {

@@ -535,7 +535,8 @@ static gp_status check_outputs(const struct gp_log *log,
                  : t->kind == GP_TARGET_HDR || t->kind == GP_TARGET_PARTS
                      ? gp_write_hdr_check(log, &s->output.write,
                                           t->kind == GP_TARGET_HDR
-                                              ? GP_HDR_KEEPS : GP_PARTS_KEEP,
+                                              ? GP_HDR_KEEPS
+                                              : GP_PARTS_KEEP,
                                           name)
                      : gp_write_check(log, &s->output.write, name);
             free(name);
@@ -550,12 +551,11 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     gp_status st;
     struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
-    GP_TRY(gp_alloc_zero(
-        log, "output list",
-        (size_t) (s->output.hdr.n + s->output.layer.n + s->output.parts.n +
-                  s->output.pictures.n) +
-            GP_DEBUG_KINDS,
-        sizeof *j.target, &j.target));
+    GP_TRY(gp_alloc_zero(log, "output list",
+                         (size_t) (s->output.hdr.n + s->output.layer.n +
+                                   s->output.parts.n + s->output.pictures.n) +
+                             GP_DEBUG_KINDS,
+                         sizeof *j.target, &j.target));
     // --hdr first: it may copy from an input that a later output replaces
     for (int i = 0; i < s->output.hdr.n; i++)
         GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->output.hdr.at[i]));

@@ -74,11 +74,13 @@ static gp_status read_level(const struct value *u, double *out, int *unit)
     if (read && strcasecmp(end, "ev") == 0)
         *unit = EV;
     const double factor = *unit == EV ? gp_exp2(v) : v;
-    if (*unit != AUTO && (!read || (*end && *unit != EV) ||
-                          !(factor > 0.0 && factor <= most)))
-        return gp_fail(u->log, GP_ERR_USAGE, "--%s: not a level (found \"%s\"); "
+    if (*unit != AUTO &&
+        (!read || (*end && *unit != EV) || !(factor > 0.0 && factor <= most)))
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not a level (found \"%s\"); "
                        "give a factor over 0 and up to %g, EV such as +6ev, or "
-                       "auto", u->option->name, u->text, most);
+                       "auto",
+                       u->option->name, u->text, most);
     *out = v;
     return GP_OK;
 }

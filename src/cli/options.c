@@ -55,7 +55,7 @@ const struct gp_settings gp_defaults = {
     ROW(f, _Generic(FIELD(f), unsigned *: GP_KIND_SET), __VA_ARGS__)
 
 /* A factor, in EV too, or auto. */
-#define LEVEL(f, ...)                                                         \
+#define LEVEL(f, ...) \
     ROW(f, _Generic(FIELD(f), float *: GP_KIND_LEVEL),                        \
         .arg = "G|EVev|auto", .hi = 1e9, __VA_ARGS__)
 

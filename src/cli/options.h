@@ -293,31 +293,31 @@ extern const struct gp_option_choice gp_progresses[], gp_debugs[], gp_gls[],
 
 /* Settings that an option needs; check.c has the messages. */
 enum gp_need {
-    GP_NEED_OWN_FRAMES = 1 << 0,  // no input
+    GP_NEED_OWN_FRAMES = 1 << 0, // no input
     GP_NEED_NO_LIGHT = 1 << 1,
-    GP_NEED_REPORT = 1 << 2,      // --report or --verbose
-    GP_NEED_RAW = 1 << 3,         // --stdout-format raw, or none given
-    GP_NEED_LIGHT = 1 << 4,       // a sun or lamp
-    GP_NEED_NO_PLACE = 1 << 5,    // no --sun
-    GP_NEED_SUN = 1 << 6,         // --sun, --sun-dir or --camera
-    GP_NEED_CONFIG = 1 << 7,      // --ocio
+    GP_NEED_REPORT = 1 << 2,   // --report or --verbose
+    GP_NEED_RAW = 1 << 3,      // --stdout-format raw, or none given
+    GP_NEED_LIGHT = 1 << 4,    // a sun or lamp
+    GP_NEED_NO_PLACE = 1 << 5, // no --sun
+    GP_NEED_SUN = 1 << 6,      // --sun, --sun-dir or --camera
+    GP_NEED_CONFIG = 1 << 7,   // --ocio
     GP_NEED_NO_CONFIG = 1 << 8,
-    GP_NEED_PICTURE = 1 << 9,    // a tone-mapped picture
-    GP_NEED_HDR = 1 << 10,        // --hdr
-    GP_NEED_LENS = 1 << 11,      // --lens
-    GP_NEED_SCENE = 1 << 12,     // --scene
-    GP_NEED_RELIGHT = 1 << 13,   // --relight
-    GP_NEED_FLARE = 1 << 14,     // --flare
+    GP_NEED_PICTURE = 1 << 9,  // a tone-mapped picture
+    GP_NEED_HDR = 1 << 10,     // --hdr
+    GP_NEED_LENS = 1 << 11,    // --lens
+    GP_NEED_SCENE = 1 << 12,   // --scene
+    GP_NEED_RELIGHT = 1 << 13, // --relight
+    GP_NEED_FLARE = 1 << 14,   // --flare
     // without these the option does nothing: a warning
-    GP_NEED_MASK = 1 << 15,       // --sun-method mask
-    GP_NEED_MAP = 1 << 16,        // --sun-method mask or --debug sunmap
-    GP_NEED_TONES = 1 << 17,      // no --ocio
-    GP_NEED_CURVE = 1 << 18,      // --ocio, or a curve other than none
-    GP_NEED_EXTENDED = 1 << 19,   // --tonemap reinhard-extended
-    GP_NEED_SPLAT = 1 << 20,      // --engine splat, or --debug polygons
-    GP_NEED_AUTO = 1 << 21,       // --engine auto
-    GP_NEED_STREAM = 1 << 22,     // an output without an ending
-    GP_NEED_FILES = 1 << 23,      // an output file
+    GP_NEED_MASK = 1 << 15,     // --sun-method mask
+    GP_NEED_MAP = 1 << 16,      // --sun-method mask or --debug sunmap
+    GP_NEED_TONES = 1 << 17,    // no --ocio
+    GP_NEED_CURVE = 1 << 18,    // --ocio, or a curve other than none
+    GP_NEED_EXTENDED = 1 << 19, // --tonemap reinhard-extended
+    GP_NEED_SPLAT = 1 << 20,    // --engine splat, or --debug polygons
+    GP_NEED_AUTO = 1 << 21,     // --engine auto
+    GP_NEED_STREAM = 1 << 22,   // an output without an ending
+    GP_NEED_FILES = 1 << 23,    // an output file
     GP_NEEDS = 24,
 };
 

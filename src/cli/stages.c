@@ -194,9 +194,12 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
     const struct gp_log *const log = fs->log;
     const struct gp_settings *const s = r->s;
     struct gp_grow_params p = {
-        .left = s->output.grow_pixels, .top = s->output.grow_pixels,
-        .right = s->output.grow_pixels, .bottom = s->output.grow_pixels,
-        .depth = gp_no_depth(s) ? NULL : s->input.depth, .type = (enum gp_depth_type) s->sun.p.depth,
+        .left = s->output.grow_pixels,
+        .top = s->output.grow_pixels,
+        .right = s->output.grow_pixels,
+        .bottom = s->output.grow_pixels,
+        .depth = gp_no_depth(s) ? NULL : s->input.depth,
+        .type = (enum gp_depth_type) s->sun.p.depth,
     };
     struct gp_rect window, before;
     gp_status st;
@@ -320,9 +323,9 @@ static gp_status read_depth(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
     return fs->depth.v || gp_no_depth(s)
-                       ? GP_OK
-                       : read_beside(s, fs, s->sun.depth_file, s->input.depth,
-                                     true, &fs->depth);
+               ? GP_OK
+               : read_beside(s, fs, s->sun.depth_file, s->input.depth, true,
+                             &fs->depth);
 }
 
 /* Gives `n` planes to the library, if they are there; `file` is theirs. */
@@ -470,10 +473,11 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
     const unsigned needs[] = {
         [GP_TARGET_HDR] = GP_HAS_LIT,
         // (bound_pixel is of the composite, which needs the frame)
-        [GP_TARGET_LAYER] = GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
+        [GP_TARGET_LAYER] =
+            GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
             (s->light.layer.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0u),
         [GP_TARGET_PARTS] = GP_HAS_RGB | GP_HAS_SOURCES | GP_HAS_KERNEL |
-            GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS,
+                            GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS,
         [GP_TARGET_PICTURE] = shown,
         [GP_TARGET_SENSORS] = GP_HAS_SOURCES,
         [GP_TARGET_POLYGONS] = GP_HAS_SOURCES | GP_HAS_KERNEL | shown,
@@ -567,7 +571,7 @@ static gp_status write_parts(struct gp_frame_state *fs,
     struct gp_planes part[PARTS];
     gp_status st = GP_OK;
     for (int i = 0; i < PARTS && !st; i++)
-        st = look_at(fs, (enum glarepp_view) (GLAREPP_PART_VEIL + i), 0,
+        st = look_at(fs, (enum glarepp_view)(GLAREPP_PART_VEIL + i), 0,
                      &part[i], NULL);
     return st ? st
               : gp_write_parts(fs->log, p, name, &fs->file, names, part, PARTS,

@@ -86,9 +86,10 @@ static const char *path_in(const struct gp_option *o, const char *value)
     if (o->at == offsetof(struct gp_settings, input.light_groups)) {
         const char *const own = strstr(value, "kernel=");
         const char *const within = own ? strstr(own, "file=") : NULL;
-        return !own                          ? NULL
-               : within                      ? within + 5
-               : gp_kernel_is_file(own + 7) ? own + 7 : NULL;
+        return !own                         ? NULL
+               : within                     ? within + 5
+               : gp_kernel_is_file(own + 7) ? own + 7
+                                            : NULL;
     }
     const char *const file = strstr(value, "file=");
     if (file && o->kind == GP_KIND_TEXTS && !gp_kernel_is_file(value))

@@ -51,8 +51,8 @@ struct gp_sources {
     long long clamped;    // pixels with a finite value over max_value
     double flux_clamped[3]; // light that max_value removed, by channel
     float threshold;      // T as luminance
-    double darkest;       // 0.1 % percentile of the cleaned frame's luminance: 0
-                          // where more is black
+    double darkest; // 0.1 % percentile of the cleaned frame's luminance: 0
+                    // where more is black
 };
 
 /* Makes a list without sources, with room for `room` of them, for a frame like

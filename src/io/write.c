@@ -269,8 +269,8 @@ bool gp_write_has_floats(const struct gp_write_params *p, const char *path,
                          enum gp_pixel_type own)
 {
     const struct format *const t = target_of(p, path).format;
-    const bool asked = p->type == GP_OUT_FLOAT ||
-                       (p->type == GP_OUT_AUTO && own == GP_FLOAT);
+    const bool asked =
+        p->type == GP_OUT_FLOAT || (p->type == GP_OUT_AUTO && own == GP_FLOAT);
     if (!t || t->write == gp_exr_write_picture)
         return asked;
     return t->write == gp_pfm_write || is_tiff(t) ||
@@ -330,9 +330,10 @@ gp_status gp_write_hdr(const struct gp_log *log,
 }
 
 gp_status gp_write_parts(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const char *const *name, const struct gp_planes *part, int n,
-    struct gp_write_stats *stats)
+                         const struct gp_write_params *p, const char *path,
+                         const struct gp_frame *f, const char *const *name,
+                         const struct gp_planes *part, int n,
+                         struct gp_write_stats *stats)
 {
     gp_status st = gp_write_hdr_check(log, p, GP_PARTS_KEEP, path);
     if (st || gp_write_would_overwrite(p, path))

@@ -178,10 +178,10 @@ GP_MUST_CHECK gp_status gp_convert_layers(const struct gp_log *log,
  * part[i] as NAME.R, NAME.G, NAME.B of name[i]. Names are of letters, no two the
  * same. Errors: those of gp_write_picture(). */
 #define GP_PARTS_KEEP "--parts writes layers"
-GP_MUST_CHECK gp_status gp_write_parts(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const char *const *name, const struct gp_planes *part, int n,
-    struct gp_write_stats *stats);
+GP_MUST_CHECK gp_status gp_write_parts(
+    const struct gp_log *log, const struct gp_write_params *p, const char *path,
+    const struct gp_frame *f, const char *const *name,
+    const struct gp_planes *part, int n, struct gp_write_stats *stats);
 
 /* True when scene-linear light under that name is 32-bit floats, of a frame whose
  * colour is `own`. */

@@ -527,14 +527,20 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
 }
 
 gp_status gp_exr_write_parts(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const char *const *name, const struct gp_planes *part, int n,
-    struct gp_write_stats *stats)
+                             const struct gp_write_params *p, const char *path,
+                             const struct gp_frame *f, const char *const *name,
+                             const struct gp_planes *part, int n,
+                             struct gp_write_stats *stats)
 {
     struct part out = {.f = f};
     struct writing w = {
-        .log = log, .p = p, .path = path, .in = gp_input_of(f), .part = &out,
-        .parts = 1, .kept = GP_EXR_KEEP_SCENE,
+        .log = log,
+        .p = p,
+        .path = path,
+        .in = gp_input_of(f),
+        .part = &out,
+        .parts = 1,
+        .kept = GP_EXR_KEEP_SCENE,
     };
     gp_status st;
     out.fit = &w.fit;

@@ -100,8 +100,9 @@ static float lamps[2][3 * PIXELS], all[3 * PIXELS];
 
 /* Makes the layer of the first `groups` lamps, or with `groups` 0 of the first
  * lamp alone; the plan's kernel is a ring, and another one is `more`. */
-static void make(const char *engine, const struct glarepp_group *how, int groups,
-                 const char *kernel, float *layer, struct glarepp_facts *facts)
+static void make(const char *engine, const struct glarepp_group *how,
+                 int groups, const char *kernel, float *layer,
+                 struct glarepp_facts *facts)
 {
     static const char *const star = "star";
     struct glarepp_kernel_params words = GLAREPP_KERNEL_PARAMS;

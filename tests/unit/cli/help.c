@@ -202,7 +202,9 @@ static int edits_between(const char *a, const char *b)
 
 static void edits_are_counted(void **state)
 {
-    static const struct { const char *a, *b; int edits;
+    static const struct {
+        const char *a, *b;
+        int edits;
     } rows[] = {
         {"", "", 0},
         {"", "abc", 3},

@@ -48,16 +48,18 @@ static int line_for(const struct gp_option *o, const char *value, char *line,
                                                          : "compare a b");
     return snprintf(line, size, "-v -o a --hdr h i%s%s%s%s%s%s%s",
                     strcmp(value, "scene") == 0 ||
-                        o->needs & (GP_NEED_SCENE | GP_NEED_RELIGHT)
-                        ? " --scene s" : "",
+                            o->needs & (GP_NEED_SCENE | GP_NEED_RELIGHT)
+                        ? " --scene s"
+                        : "",
                     o->needs & GP_NEED_RELIGHT ? " --relight l" : "",
                     o->needs & GP_NEED_LENS ? " --lens l" : "",
                     o->needs & GP_NEED_FLARE ? " --flare f" : "",
                     strcmp(o->name, "write-lights") == 0 ? " --lights auto"
                                                          : "",
                     o->needs & GP_NEED_LIGHT || o->kind == GP_KIND_NAMED
-                        ? " --sun 1,2 --sun-color 3" : "",
-                    o->needs & GP_NEED_CONFIG       ? " --ocio c"
+                        ? " --sun 1,2 --sun-color 3"
+                        : "",
+                    o->needs & GP_NEED_CONFIG      ? " --ocio c"
                     : strcmp(o->name, "knee") == 0 ? " --threshold-mode whole"
                     : strncmp(o->name, "kernel-", 7) == 0 ? " -k k.exr"
                                                           : "");
@@ -79,11 +81,11 @@ static void check_stored(const struct gp_option *o, const char *value,
     const struct gp_texts *const texts = at;
     const char *const *const word = at;
     const bool stored =
-        o->kind == GP_KIND_FLAG    ? *(const bool *) at == !o->off
-        : o->kind == GP_KIND_SET   ? *(const int *) at == o->set
+        o->kind == GP_KIND_FLAG  ? *(const bool *) at == !o->off
+        : o->kind == GP_KIND_SET ? *(const int *) at == o->set
         : o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_LEVEL
             ? *(const float *) at == (float) v
-        : o->kind == GP_KIND_REAL  ? *(const double *) at == v
+        : o->kind == GP_KIND_REAL ? *(const double *) at == v
         : o->kind == GP_KIND_THRESHOLD
             ? ((const struct glarepp_sense_params *) at)->threshold == (float) v
         : o->kind == GP_KIND_SIZE
@@ -575,6 +577,6 @@ static void warnings(void **state)
 SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
          commands_make_the_same_picture, groups_are_cut, forms_of_values,
          forms_of_thresholds, words_that_look_like_options, topics_of_help,
-         clusters_follow_groups, commands, plans_get_all_settings, other_light_is_added,
-         suns_are_lights, kernels_are_scaled_as_asked, errors_say_what_is_wrong,
-         warnings)
+         clusters_follow_groups, commands, plans_get_all_settings,
+         other_light_is_added, suns_are_lights, kernels_are_scaled_as_asked,
+         errors_say_what_is_wrong, warnings)
