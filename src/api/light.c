@@ -25,6 +25,8 @@ gp_status gp_api_lights_begin(struct glarepp_plan *plan,
     gp_api_about("lights");
     const gp_status st = gp_alloc_zero(&plan->log, "lights", 1,
                                        sizeof *work->lights, &work->lights);
+    if (!st)
+        work->lights->suns.given = plan->lights;
     return st ? st
               : gp_suns_begin(&plan->log, &plan->sun, plan->glare.gl,
                               read_picture, plan->gp, &work->lights->suns);

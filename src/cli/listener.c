@@ -55,6 +55,7 @@ static const struct hint hints[] = {
     HINT("lights.cameras.frame", "leave --camera out")
     HINT("lights.depth", "give --depth-type z")
     HINT("lights.depth_there", "give \"depth\" in --lights, or --depth none")
+    HINT("lights.flare", "give --light-scale, or --lights auto")
     HINT("lights.flux", "lower --sun-color, \"flux\" or --light-scale")
     HINT("lights.in_frame", "add --sun-in-frame")
     HINT("lights.method", "use --sun-method exact")

@@ -310,7 +310,7 @@ static void list_block(void *ctx, int block, int thread)
     }
 }
 
-/* Finds the 0.1 % percentile of luminance of the grid's pixels. */
+/* Finds the 0.01 % percentile of luminance of the grid's pixels. */
 static void find_darkest(const struct sense *s, int threads,
                          struct gp_sources *out)
 {
@@ -323,7 +323,7 @@ static void find_darkest(const struct sense *s, int threads,
         all += s->dark[0][b];
     below = s->dark[0][BLACK];
     uint32_t b = 0;
-    for (; below * 1000ull < all && b < BLACK; b++)
+    for (; below * 10000ull < all && b < BLACK; b++)
         below += s->dark[0][b];
     out->darkest = b ? (double) gp_float_with_bits((b - 1) << DARK_SHIFT) : 0.0;
 }

@@ -51,7 +51,7 @@ struct gp_sources {
     long long clamped;    // pixels with a finite value over max_value
     double flux_clamped[3]; // light that max_value removed, by channel
     float threshold;      // T as luminance
-    double darkest; // 0.1 % percentile of the cleaned frame's luminance: 0
+    double darkest; // 0.01 % percentile of the cleaned frame's luminance: 0
                     // where more is black
 };
 

@@ -66,9 +66,11 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_par
     bool lit = p->file || p->faded || (p->cameras && has_flux(&p->sun));
     for (int i = 0; i < p->lights; i++)
         lit |= has_flux(&p->light[i]);
-    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit &&
-        (p->lights || p->cameras) && !p->found)
-        GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "lights.sun",
+    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit && out->given &&
+        !p->found)
+        GP_TRY(gp_fail_at(log, GP_ERR_USAGE,
+                          p->lights || p->cameras ? "lights.sun"
+                                                  : "lights.flare",
                           "%s: has elements of lights, and there is no light "
                           "with flux; write \"source\": \"bright\" in it",
                           p->flare));

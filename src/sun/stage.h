@@ -33,6 +33,7 @@ typedef gp_status (*gp_sun_picture)(void *user, const struct gp_log *log,
 
 struct gp_suns {
     // of the run
+    bool given; // lights may have places; set by the caller, before all calls
     const struct glarepp_light_params *p; // borrowed
     enum gp_gl_api api;
     struct glarepp_light *read; // owned; of p->file
@@ -55,7 +56,7 @@ struct gp_suns {
 
 /* Reads the files of *p, before the first frame.
  *   p    must stay as long as *out
- *   out  zero; freed by gp_suns_close() in any case
+ *   out  zero but for `given`; freed by gp_suns_close() in any case
  * Errors: those of `picture`; GP_ERR_USAGE elements of lights, and no light
  * with flux. */
 GP_MUST_CHECK gp_status gp_suns_begin(

@@ -313,7 +313,7 @@ s.0001.exr s.0002.exr o.#.png => no output is given (found s.0001.exr ... o.#.pn
 -o a i --sun 1,2 --sun-color 1,2 => --sun-color: two numbers; give one or three
 -o a i --sun 1,2 --sun-map 5 => --sun-map: odd (found 5); give an even number
 -o a i --sun-size 2 => --sun-size: needs a light; give --sun, --sun-dir, --camera, --lights or --scene
--o a i --lights l --sun-color 1 => --sun-color: needs --sun, --sun-dir or --camera; lights of --lights have flux of their own
+-o a i --lights l --sun-color 1 => --sun-color: needs --sun, --sun-dir or --camera; lights of --lights have flux of their own, those of --scene by --light-scale
 -o a i --debug sunmap=f => --debug sunmap: needs a light; give --sun, --sun-dir, --camera, --lights or --scene
 -o a i --view left => --view: needs --ocio CONFIG; for stereo use --views left
 -o a i --display d => --display: needs --ocio; give --ocio CONFIG or --ocio env

@@ -160,6 +160,6 @@ double gp_fft_most_noise(const struct gp_fft_placing *p,
                          const struct gp_sources *s,
                          const struct gp_fft_norms *k, int c)
 {
-    static const double THERE = 10.0, BACK = 5.0; // deviations
+    static const double THERE = 18.0, BACK = 9.0; // deviations
     return spread(p, s, k, c, THERE * STAGE, BACK * ADDING);
 }
