@@ -79,8 +79,7 @@ static void files_have_keys(void **state)
     static const char *const texts[] = {
         "frame,x,y\n1,10,20\n3,30,40\n",
         "1,10,20\r\n3,30,40\r\n",
-        "\xef\xbb\xbf"
-        "1,10,20\n3,30,40",
+        "\xef\xbb\xbf\x31,10,20\n3,30,40", // a byte order mark, then 1
         "# a track\n\nFrame, X, Y\n  1 ,\t10, 20 # first\n\n3 , 30 ,40  \n#",
     };
     for (size_t i = 0; i < COUNT(texts); i++) {
