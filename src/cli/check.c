@@ -34,9 +34,9 @@ struct need {
 static void look_at_outputs(const struct gp_settings *s, bool *files,
                             bool *stream)
 {
-    const struct gp_texts *const outputs[] = {
-        &s->output.pictures, &s->output.hdr, &s->output.layer,
-        &s->output.parts};
+    const struct gp_texts *const outputs[] = {&s->output.pictures,
+                                              &s->output.hdr, &s->output.layer,
+                                              &s->output.parts};
     *files = *stream = false;
     for (int k = 0; k < 4; k++) {
         *files = *files || outputs[k]->n;

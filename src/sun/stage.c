@@ -68,12 +68,12 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_par
         lit |= has_flux(&p->light[i]);
     if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit && out->given &&
         !p->found)
-        GP_TRY(gp_fail_at(log, GP_ERR_USAGE,
-                          p->lights || p->cameras ? "lights.sun"
-                                                  : "lights.flare",
-                          "%s: has elements of lights, and there is no light "
-                          "with flux; write \"source\": \"bright\" in it",
-                          p->flare));
+        GP_TRY(
+            gp_fail_at(log, GP_ERR_USAGE,
+                       p->lights || p->cameras ? "lights.sun" : "lights.flare",
+                       "%s: has elements of lights, and there is no light "
+                       "with flux; write \"source\": \"bright\" in it",
+                       p->flare));
     GP_TRY(gp_alloc(log, "lights", (size_t) (p->lights + out->reads) + 1,
                     sizeof *out->known, &out->known));
     for (int i = 0; i < p->lights + out->reads; i++) {
