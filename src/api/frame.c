@@ -119,7 +119,7 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
     }
     if (views & 1u << GLAREPP_TRUTH)
         GP_FREE(f->exact);
-    for (int v = GLAREPP_CLEAN; v <= GLAREPP_TRUTH; v++) {
+    for (int v = GLAREPP_CLEAN; v < GLAREPP_SOURCE_MASK; v++) {
         if (views & 1u << v && v != GLAREPP_OUTPUT)
             gp_planes_free(planes_of(f, &f->image, (enum glarepp_view) v));
     }

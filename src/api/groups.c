@@ -92,6 +92,7 @@ gp_status gp_api_sense_groups(struct glarepp_frame *f)
     memset(src->faint, 0, sizeof src->faint);
     for (int i = 0; i < f->groups; i++) {
         struct gp_sources *const own = &f->group[i].sources;
+        gp_sources_free(own); // of a step that ran before
         GP_TRY(gp_sense(&f->log, &sense, &f->group[i].image, own));
         src->nonfinite += own->nonfinite;
         src->clamped += own->clamped;
@@ -122,7 +123,7 @@ static struct gp_surround edges_of(const struct glarepp_frame *f,
                                  f->whole.row ? &f->whole : &f->sources, own};
 }
 
-/* What a kernel spreads. */
+/* A kernel, and the light that it spreads. */
 struct part {
     const struct gp_sources *light, *own; // ... without lights
     const struct gp_kernel *kernel;

@@ -3,7 +3,6 @@
 #include "api/plan.h"
 
 #include "core/clock.h"
-#include "core/luminance.h"
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -199,28 +198,28 @@ void gp_api_warn_of_lights(struct glarepp_frame *f)
 {
     static const double MANY = 1000.0;
     const struct gp_suns *const suns = &f->work->lights->suns;
-    double brightest = -1.0;
+    const double brightest = // or nearly: at most by the threshold more
+        f->sources.n
+            ? (double) f->sources.brightest + (double) f->sources.threshold
+            : (double) f->facts.sense.peak;
     for (int i = 0; i < suns->placed; i++) {
         const struct gp_light *const l = &suns->light[i];
         const double r = fmax(l->radius, 0.5);
         double own = 0.0;
-        int at[2];
         warn_of_hidden(f, l);
         for (int c = 0; c < 3; c++)
             own += (double) f->image.luminance[c] * (double) l->flux[c];
         own /= M_PI * r * r;
         if (!(own > 0.0) || l->behind || f->plan->sun.in_frame)
             continue;
-        if (brightest < 0.0)
-            brightest = (double) gp_luminance_peak(&f->image, at);
         if (own > MANY * brightest && brightest > 0.0 &&
             gp_api_says(&f->plan->said, GP_SAID_BRIGHT))
-            gp_say_at(
-                &f->log, GP_LEVEL_WARN, "lights.flux",
-                "%s: the light %s is %.0f times as bright as the brightest "
-                "pixel (%.3g a pixel, %.3g)",
-                f->sink.name, l->name[0] ? l->name : "", own / brightest, own,
-                brightest);
+            gp_say_at(&f->log, GP_LEVEL_WARN, "lights.flux",
+                      "%s: the light %s is about %.0f times as bright as the "
+                      "brightest "
+                      "pixel (%.3g a pixel, %.3g)",
+                      f->sink.name, l->name[0] ? l->name : "", own / brightest,
+                      own, brightest);
     }
 }
 

@@ -125,7 +125,7 @@ gp_status gp_api_part_level(struct glarepp_frame *f,
     *level = (double) gain;
     if (gain > 0.0f)
         return GP_OK;
-    const double white = gp_exp(-M_LN2 * (double) plan->tone.exposure);
+    const double white = gp_exp2(-(double) plan->tone.exposure);
     struct rows r = {
         .image = image, .part = &image->layer, .dark = (float) (WHITE * white)};
     const gp_status st =

@@ -156,7 +156,7 @@ struct gp_api_group {
     struct gp_sources sources; // without the gain
 };
 
-/* What another kernel than the plan's own spreads. */
+/* Another kernel than the plan's own, and the light that it spreads. */
 struct gp_api_run {
     struct gp_sources sources;     // of groups, times their gains
     struct gp_made_kernel *kernel; // held; NULL: no source

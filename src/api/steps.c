@@ -469,6 +469,8 @@ static gp_status add_layer(struct glarepp_frame *f)
     if (f->p.details)
         facts->lamps = spread_of(f, light) - spread_of(f, gp_api_bright(f));
     f->tinted = false;
+    for (int i = 0; i < GP_PARTS; i++) // were of the layer before
+        gp_planes_free(&f->part[i]);
     return gp_api_layers(f);
 }
 
@@ -605,8 +607,9 @@ static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
 
 int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
 {
-    const unsigned reads = BIT(RELIGHT) | BIT(SENSE) | BIT(VERIFY) |
-                           BIT(LENS) | BIT(COMPOSE);
+    const unsigned reads = BIT(RELIGHT) | BIT(SENSE) | BIT(VERIFY) | BIT(LENS) |
+                           BIT(COMPOSE) |
+                           (f->plan->sun.flare_gain > 0.0f ? 0u : BIT(FLARE));
     struct glarepp *const outer = gp_api_begin(f->plan->gp);
     gp_status st = GP_OK;
     if (step >= GLAREPP_STEPS)

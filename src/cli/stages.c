@@ -473,9 +473,11 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
     const unsigned needs[] = {
         [GP_TARGET_HDR] = GP_HAS_LIT,
         // (bound_pixel is of the composite, which needs the frame)
-        [GP_TARGET_LAYER] =
-            GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
-            (s->light.layer.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0u),
+        [GP_TARGET_LAYER] = GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
+                            (s->light.layer.tolerance_pixel > 0.0f ||
+                                     !(s->sun.p.flare_gain > 0.0f)
+                                 ? GP_HAS_RGB
+                                 : 0u),
         [GP_TARGET_PARTS] = GP_HAS_RGB | GP_HAS_SOURCES | GP_HAS_KERNEL |
                             GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS,
         [GP_TARGET_PICTURE] = shown,

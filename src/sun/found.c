@@ -138,7 +138,7 @@ static gp_status list_blobs(const struct gp_log *log, struct finding *d)
 
 // -- a blob's light -----------------------------------------------------------
 
-/* What a pixel around a blob is. */
+/* Kinds of pixels around a blob. */
 enum { FAR, GROUND, OTHER, OWN };
 
 /* Marks those pixels of `area` that are up to some way from the blob's sources, or
@@ -309,7 +309,7 @@ out:
 
 // -- names --------------------------------------------------------------------
 
-/* How far a light is from one that is known; INFINITY: another one. */
+/* Returns the distance of a light from one that is known; INFINITY: they are two. */
 static double apart(const struct gp_light *l, const struct glarepp_light *k,
                     double height)
 {

@@ -6,7 +6,7 @@ Usage: spots.py make        writes l.1001.pfm to l.1005.pfm and truth.json here:
                             twelve even discs of radius 1.2 to 6 on a noisy
                             ground, which move by 3 pixels a frame
        spots.py check REPORT   prints, over all frames of a report, whether there
-                            is one light for each lamp and the names stay, then
+                            is one light for each lamp, of its size, and the names stay, then
                             the largest errors: pixels, share of flux
        spots.py data REPORT CAMERA   the same of lamps of a rendered frame, by its
                             camera file
@@ -55,7 +55,7 @@ def make():
                     area += share
                     for c in range(3):
                         image[3 * ((H - 1 - py) * W + px) + c] += share * colour[c]
-            own.append([x, y, [area * c for c in colour]])
+            own.append([x, y, [area * c for c in colour], r])
         truth.append(own)
         with open(f"l.{1001 + frame}.pfm", "wb") as f:
             f.write(b"PF\n%d %d\n-1.0\n" % (W, H))
@@ -72,11 +72,12 @@ def compare(rows, truth, only=False):
     names, away, flux, single = [], 0.0, 0.0, True
     for row, own in zip(rows, truth):
         lights = row["lights"]
-        found = [nearest(lights, x, y) for x, y, _ in own]
+        found = [nearest(lights, x, y) for x, y, *_ in own]
         single &= len({l["name"] for l in found}) == len(own)
         single &= only or len(lights) == len(own)
         names.append([l["name"] for l in found])
-        for l, (x, y, light) in zip(found, own):
+        for l, (x, y, light, *size) in zip(found, own):
+            single &= all(abs(l["radius"] - r) <= 0.2 for r in size)
             away = max(away, math.hypot(l["x"] - x, l["y"] - y))
             flux = max(flux, max(abs(l["flux"][c] / light[c] - 1)
                                  for c in range(3) if light[c]))

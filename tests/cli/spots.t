@@ -139,6 +139,16 @@ refuses()
     fails_with 2 "$name" "$about"
 }
 
+# the level is found in the picture, which --layer alone does not need
+for what in '--flare preset:zoom --flare-gain auto' '--lens heliar --lens-gain auto'; do
+    # shellcheck disable=SC2086
+    run $what --no-provenance --layer alone.exr "$night"
+    status_is 0 "$what: the layer alone"
+    # shellcheck disable=SC2086
+    run $what --no-provenance --layer beside.exr --hdr h.exr "$night"
+    same alone.exr beside.exr "$what: is that beside other outputs"
+done
+
 # -- words -----------------------------------------------------------------------
 
 refuses --lights 'no number of lights' --lights auto:0

@@ -184,8 +184,8 @@ static void spread(struct world *w, const struct glarepp_image *image,
     glarepp_frame_end(&frame);
 }
 
-/* What a mask and its inverse let glare is the whole, whatever the edges; so is
- * what they take. */
+/* Of a mask and its inverse, layers add up to that without one, with any edges, and
+ * so does the light that is taken. */
 static void masks_add_up(void **state)
 {
     static float in[3 * PIXELS], mask[2][PIXELS], layer[3][3 * PIXELS],

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* What a caller does to the layer: its tint, and kernels and gains of groups. */
+/* Changes of the layer by its caller: its tint, and kernels and gains of groups. */
 #include "unit.h"
 
 #include "glarepp.h"

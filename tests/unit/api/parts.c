@@ -5,6 +5,8 @@
 
 #include "glarepp.h"
 
+#include <math.h>
+
 static struct glarepp *gp;
 
 /* Decodes any picture as three pixels, or as opaque. */
@@ -232,5 +234,65 @@ static void brightest(void **state)
     glarepp_plan_end(&plan);
 }
 
+// -- parts of the layer -------------------------------------------------------
+
+enum { SIDE = 64, SAMPLES = SIDE * SIDE };
+
+/* The largest difference of a frame's layer from the sum of its parts. */
+static double apart(struct glarepp_frame *f)
+{
+    struct glarepp_image whole, part[4];
+    double most = 0.0;
+    assert_int_equal(glarepp_frame_view(f, GLAREPP_GLARE, 0, &whole), 0);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(
+            glarepp_frame_view(f, (enum glarepp_view)(GLAREPP_PART_VEIL + i), 0,
+                               &part[i]),
+            0);
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < SAMPLES; i++) {
+            double sum = 0.0;
+            for (int k = 0; k < 4; k++)
+                sum += (double) ((const float *) part[k].plane[c])[i];
+            most = fmax(
+                most, fabs(sum - (double) ((const float *) whole.plane[c])[i]));
+        }
+    }
+    return most;
+}
+
+/* Parts add up, those of a layer made anew too; a level needs the picture. */
+static void parts_add_up(void **state)
+{
+    static float v[3][SAMPLES];
+    struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
+    struct glarepp_plan_params how = GLAREPP_PLAN_PARAMS;
+    struct glarepp_light_params lights = GLAREPP_LIGHT_PARAMS;
+    struct glarepp_plan *plan;
+    struct glarepp_frame *f;
+    p.image.data = (struct glarepp_rect) {0, 0, SIDE, SIDE};
+    p.parts = true;
+    for (int c = 0; c < 3; c++) {
+        p.image.plane[c] = v[c];
+        v[c][20 * SIDE + 12] = 900.0f;
+    }
+    lights.flare = "preset:zoom";
+    lights.flare_gain = 0.0f;
+    how.lights = &lights;
+    assert_int_equal(glarepp_plan(gp, &how, &plan), 0);
+    assert_int_equal(glarepp_frame(plan, &p, &f), 0);
+    for (int i = 0; i <= GLAREPP_LENS; i++)
+        assert_int_equal(glarepp_frame_run(f, (enum glarepp_step) i), 0);
+    assert_true(glarepp_frame_facts(f)->flare.gain > 0.0);
+    assert_true(apart(f) < 1e-4);
+    assert_int_equal(glarepp_frame_run(f, GLAREPP_LAYER), 0);
+    assert_true(apart(f) < 1e-4);
+    glarepp_frame_drop(f, 1u << GLAREPP_CLEAN);
+    assert_int_equal(glarepp_frame_run(f, GLAREPP_FLARE), GLAREPP_ERR_USAGE);
+    glarepp_frame_end(&f);
+    glarepp_plan_end(&plan);
+}
+
 SUITE_OF(parts, start, end, kernels_are_drawn, kernels_are_checked,
-         paths_are_recipes, lenses, wrong_sets, sets_of_a_street, brightest)
+         paths_are_recipes, lenses, wrong_sets, sets_of_a_street, brightest,
+         parts_add_up)
