@@ -26,7 +26,7 @@ def lamps(frame):
     rng = random.Random(5)
     for i in range(LAMPS):
         r = 1.2 + 4.8 * i / (LAMPS - 1)
-        x = 60 + i % 4 * 150 + rng.uniform(0, 40) + 3 * frame
+        x = 60 + i % 4 * 50 + rng.uniform(0, 15) + 3 * frame
         y = 50 + i // 4 * 120 + rng.uniform(0, 30) + 1.3 * frame
         level = rng.uniform(20, 300)
         yield x, y, r, [level * c for c in (1.0, 0.8, 0.5)]
