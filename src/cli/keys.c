@@ -299,8 +299,9 @@ static gp_status read_inline(struct reading *r, char *text)
         char *const value = strchr(item, ':');
         if (value)
             *value = '\0';
-        for (char *c = value; c && list && (c = strchr(c + 1, '/'));)
-            *c = ',';
+        if (value && list)
+            for (char *c = value + 1; (c = strchr(c, '/'));)
+                *c = ',';
         st = value ? add_key(r, item, value + 1)
                    : gp_fail(r->log, GP_ERR_USAGE,
                              "--%s: not a key (found "
