@@ -610,13 +610,15 @@ struct glarepp_frame_params {
     void *user;                  // of messages about it
     bool parts;                  // PART_* are wanted
     const struct glarepp_group *how; // of each group; NULL: {0, 1}
+    bool parts_of_groups; // ... after COMPOSE or DONE what groups spread is
+                          // in their own GLARE, and not in PART_*
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
     {                                                                         \
         sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0},     \
             false, NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0}, \
             GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, 4e-4f, false, false, false, \
-            NULL, false, NULL                                                 \
+            NULL, false, NULL, false                                          \
     }
 
 struct glarepp_frame;
@@ -668,7 +670,8 @@ enum glarepp_view {
     // made by steps
     GLAREPP_CLEAN, // the frame after SENSE: no NaN, no infinity
     GLAREPP_SOURCES,
-    GLAREPP_GLARE,  // the layer, with flare and ghosts
+    GLAREPP_GLARE,  // the layer, with flare and ghosts; that of a group, times
+                    // its gain, of a frame with `parts_of_groups`
     GLAREPP_LIT,    // scene-linear
     GLAREPP_SHOWN,  // display-linear BT.709, or as OpenColorIO encodes it
     GLAREPP_OUTPUT, // LIT in the tone's output space; before COMPOSE, the
@@ -696,7 +699,7 @@ int glarepp_frame_set(struct glarepp_frame *frame,
     enum glarepp_view view, const struct glarepp_image *plane);
 
 /* Looks at a plane: a view that is valid until the frame ends or drops it.
- *   group  0 the frame, 1 and on its groups (of LIT and OUTPUT)
+ *   group  0 the frame, 1 and on its groups (of GLARE, LIT and OUTPUT)
  * Errors: USAGE the step that makes it was not run; BUG of pictures. */
 int glarepp_frame_view(struct glarepp_frame *frame,
     enum glarepp_view view, int group, struct glarepp_image *out);

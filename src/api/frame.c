@@ -140,6 +140,7 @@ void glarepp_frame_end(struct glarepp_frame **frame)
         if (g->borrowed)
             g->image.rgb = (struct gp_planes) {0};
         gp_sources_free(&g->sources);
+        gp_planes_free(&g->part);
         gp_image_free(&g->image);
     }
     gp_free(f->group);
@@ -303,7 +304,10 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
     struct gp_image *const image =
         grouped ? &f->group[group - 1].image : &f->image;
     struct gp_rect data = image->data;
-    const struct gp_planes *planes = planes_of(f, image, view);
+    const bool layer = view == GLAREPP_GLARE;
+    const struct gp_planes *planes = layer && grouped
+                                         ? &f->group[group - 1].part
+                                         : planes_of(f, image, view);
     struct gp_api_picture *const picture =
         view == GLAREPP_SUNMAP      ? &f->sunmap
         : view == GLAREPP_INTENSITY ? &f->intensity : NULL;
@@ -311,7 +315,7 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
     if (group && !grouped)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "group", "%s: no such group "
                           "(found %d)", f->sink.name, group));
-    if (view == GLAREPP_GLARE && !group)
+    if (layer && !group)
         GP_TRY(gp_api_dark_layer(&f->log, &f->image));
     if (view == GLAREPP_OUTPUT && f->plan->converts)
         GP_TRY(convert(f, group));

@@ -280,29 +280,73 @@ static gp_status add_flare(struct glarepp_frame *f, struct gp_api_group *g,
     return st;
 }
 
+/* Makes the layer of a group without its gain; there is none where it has no
+ * light. */
+static gp_status draw_group(struct glarepp_frame *f, struct gp_api_group *g)
+{
+    const int more = g->how.kernel - 1;
+    const struct gp_made_kernel *const made = gp_api_group_kernel(f, g);
+    struct glarepp_layer_facts stats = {0};
+    struct gp_glare_params glare = f->plan->glare;
+    glare.gain = f->plan->compose.gain * g->how.gain;
+    glare.edges = edges_of(f, &g->sources);
+    return g->sources.n && made && g->how.gain > 0.0f
+               ? gp_glare_run(&f->log, &glare,
+                              more < 0 ? &f->work->group_engines
+                                       : &f->work->more[more],
+                              &g->sources, &made->k, &g->image, &stats)
+               : GP_OK;
+}
+
+/* Moves the layer of a group, times its gain, from a part of the frame to the
+ * group's. */
+static void take_part(struct glarepp_frame *f, struct gp_api_group *g,
+                      struct gp_planes *from)
+{
+    const size_t n = gp_image_pixels(&f->image);
+    for (size_t i = 0; i < 3 * n && g->image.layer.c[0]; i++) {
+        const float own = g->how.gain * g->image.layer.c[i / n][i % n];
+        g->part.c[i / n][i % n] += own;
+        from->c[i / n][i % n] -= own;
+    }
+    gp_planes_free(&g->image.layer);
+}
+
+gp_status gp_api_part_groups(struct glarepp_frame *f)
+{
+    const size_t n = gp_image_pixels(&f->image);
+    gp_status st;
+    GP_TRY(gp_api_part_find(f, GLAREPP_PART_VEIL));
+    GP_TRY(gp_api_part_find(f, GLAREPP_PART_FLARE));
+    for (int i = 0; i < f->groups; i++) {
+        struct gp_api_group *const g = &f->group[i];
+        const struct gp_made_kernel *const made = gp_api_group_kernel(f, g);
+        struct glarepp_flare_facts facts = {0};
+        gp_planes_free(&g->part);
+        GP_TRY(gp_planes_make(&f->log, "parts", n, &g->part));
+        gp_planes_clear(&g->part, 0, n);
+        if (made)
+            gp_api_part_core(f, &g->sources, &made->k, -g->how.gain);
+        GP_TRY(draw_group(f, g));
+        take_part(f, g, &f->part[0]);
+        if (f->work->lights)
+            GP_TRY(add_flare(f, g, &facts));
+        take_part(f, g, &f->part[GLAREPP_PART_FLARE - GLAREPP_PART_VEIL]);
+    }
+out:
+    return st;
+}
+
 gp_status gp_api_compose_group(struct glarepp_frame *f, struct gp_api_group *g,
                                const struct gp_compose_params *frame)
 {
-    struct gp_api_work *const work = f->work;
-    const int more = g->how.kernel - 1;
-    const struct gp_made_kernel *const made = more < 0  ? f->kernel
-                                              : f->more ? f->more[more].kernel
-                                                        : NULL;
-    const bool glares = g->sources.n > 0 && made && g->how.gain > 0.0f;
-    struct glarepp_layer_facts stats = {0};
     struct glarepp_flare_facts flare = {0};
-    struct gp_glare_params glare = f->plan->glare;
     struct gp_compose_params p = *frame;
     const double start = gp_now_ms(), cpu = gp_cpu_ms();
-    gp_status st = GP_OK;
+    gp_status st;
     p.gain *= g->how.gain;
-    glare.gain = p.gain;
-    glare.edges = edges_of(f, &g->sources);
-    if (glares)
-        st = gp_glare_run(&f->log, &glare,
-                          more < 0 ? &work->group_engines : &work->more[more],
-                          &g->sources, &made->k, &g->image, &stats);
-    if (!st && work->lights)
+    st = draw_group(f, g);
+    if (!st && f->work->lights)
         st = add_flare(f, g, &flare);
     if (g->sources.n > 0) {
         f->facts.engines_ms += gp_now_ms() - start;

@@ -12,16 +12,15 @@
 
 // -- veil and core ------------------------------------------------------------
 
-/* Moves what a kernel leaves in the pixels of sources from the veil to the core. */
-static void move_core(struct glarepp_frame *f, const struct gp_sources *s,
-                      const struct gp_kernel *k)
+void gp_api_part_core(struct glarepp_frame *f, const struct gp_sources *s,
+                      const struct gp_kernel *k, float gain)
 {
     const bool inside =
         k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
     for (int c = 0; c < 3 && s->n && inside; c++) {
         float *const veil = f->part[0].c[c], *const core = f->part[1].c[c];
-        const float centre =
-            k->k.c[c][(size_t) k->cy * (size_t) k->w + (size_t) k->cx];
+        const size_t middle = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
+        const float centre = gain * k->k.c[c][middle];
         for (int y = 0; y < s->h; y++) {
             for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
                 const size_t p = (size_t) y * (size_t) s->w + (size_t) s->x[i];
@@ -46,10 +45,11 @@ static gp_status keep_glare(struct glarepp_frame *f)
     for (int c = 0; c < 3; c++)
         memcpy(f->part[0].c[c], f->image.layer.c[c], n * sizeof(float));
     gp_planes_clear(&f->part[1], 0, n);
-    move_core(f, gp_api_light(f), gp_api_kernel(f));
+    gp_api_part_core(f, gp_api_light(f), gp_api_kernel(f), 1.0f);
     for (int i = 0; f->more && i < f->plan->mores; i++) {
         if (f->more[i].kernel)
-            move_core(f, &f->more[i].sources, &f->more[i].kernel->k);
+            gp_api_part_core(f, &f->more[i].sources, &f->more[i].kernel->k,
+                             1.0f);
     }
     return GP_OK;
 }

@@ -154,6 +154,8 @@ struct gp_api_group {
     bool borrowed;                 // image.rgb is the caller's
     struct glarepp_group how;
     struct gp_sources sources; // without the gain
+    struct gp_planes part;     // its glare and flare, times the gain, where
+                               // p.parts_of_groups
 };
 
 /* Another kernel than the plan's own, and the light that it spreads. */
@@ -273,6 +275,11 @@ void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
                        double level, struct gp_planes *before,
                        struct gp_planes *kept);
 
+/* Moves what a kernel leaves in the pixels of sources, times `gain`, from the veil
+ * to the core. */
+void gp_api_part_core(struct glarepp_frame *f, const struct gp_sources *s,
+                      const struct gp_kernel *k, float gain);
+
 /* Makes a part that is looked at, where no step did: without flare and ghosts, or
  * dark. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_api_part_find(struct glarepp_frame *f,
@@ -286,6 +293,17 @@ GP_MUST_CHECK gp_status gp_api_layers(struct glarepp_frame *f);
 
 /* The same in double: 3 w h numbers, to be freed with gp_free(). */
 GP_MUST_CHECK gp_status gp_api_exact(struct glarepp_frame *f, double **out);
+
+/* The kernel of a group; NULL: none was needed. */
+static inline const struct gp_made_kernel *
+gp_api_group_kernel(const struct glarepp_frame *f, const struct gp_api_group *g)
+{
+    const int more = g->how.kernel - 1;
+    return more < 0 ? f->kernel : f->more ? f->more[more].kernel : NULL;
+}
+
+/* Gives groups their parts, in place of the frame's veil, core and flare. */
+GP_MUST_CHECK gp_status gp_api_part_groups(struct glarepp_frame *f);
 
 /* Adds glare to a group, so that groups which add up to the frame still do. */
 GP_MUST_CHECK gp_status gp_api_compose_group(struct glarepp_frame *f,

@@ -471,6 +471,8 @@ static gp_status add_layer(struct glarepp_frame *f)
     f->tinted = false;
     for (int i = 0; i < GP_PARTS; i++) // were of the layer before
         gp_planes_free(&f->part[i]);
+    for (int i = 0; i < f->groups; i++)
+        gp_planes_free(&f->group[i].part);
     return gp_api_layers(f);
 }
 
@@ -493,17 +495,24 @@ static gp_status verify(struct glarepp_frame *f)
 
 #define BIT(step) (1u << GLAREPP_##step)
 
-/* Tints the layer once all of it is there: nothing more may be added to it. */
-static gp_status tint(struct glarepp_frame *f)
+/* Ends the layer once all of it is there: parts it by groups, tints it. Nothing more
+ * may be added to it. */
+static gp_status end_layer(struct glarepp_frame *f)
 {
     gp_status st = GP_OK;
+    if (f->p.parts_of_groups && f->p.parts && f->groups && f->work &&
+        !f->group[0].part.c[0] && f->ran & BIT(SENSE))
+        GP_TRY(gp_api_part_groups(f));
     if (!f->plan->tints || f->tinted)
         return st;
-    for (int i = 0; i < GP_PARTS && f->p.parts; i++) {
+    for (int i = 0; i < GP_PARTS + f->groups && f->p.parts; i++) {
         struct gp_image part = f->image; // (its other planes are borrowed)
-        GP_TRY(gp_api_part_find(f, (enum glarepp_view)(GLAREPP_PART_VEIL + i)));
-        part.layer = f->part[i];
-        gp_layer_tint(&f->plan->tint, &part);
+        if (i < GP_PARTS)
+            GP_TRY(gp_api_part_find(
+                f, (enum glarepp_view)(GLAREPP_PART_VEIL + i)));
+        part.layer = i < GP_PARTS ? f->part[i] : f->group[i - GP_PARTS].part;
+        if (part.layer.c[0])
+            gp_layer_tint(&f->plan->tint, &part);
     }
     gp_layer_tint(&f->plan->tint, &f->image);
     f->tinted = true;
@@ -528,7 +537,7 @@ static gp_status compose(struct glarepp_frame *f)
     if (f->work->lights)
         p.dim = plan->sun.adapt * (float) gp_suns_mean(&f->work->lights->suns);
     p.last = f->p.layer_ends;
-    gp_status st = tint(f);
+    gp_status st = end_layer(f);
     if (st)
         return st;
     note_flux(f);
@@ -555,7 +564,7 @@ static gp_status show(struct glarepp_frame *f)
 
 static gp_status finish(struct glarepp_frame *f)
 {
-    const gp_status st = tint(f);
+    const gp_status st = end_layer(f);
     if (f->work && !f->composed)
         note_flux(f);
     gp_api_give_back(f->plan, &f->work);

@@ -295,6 +295,13 @@ static gp_status read_groups(const struct gp_log *log, struct gp_settings *s)
         if (g->kernel)
             GP_TRY(check_word(log, g->kernel));
         g->more = g->kernel ? number_kernel(s, g->kernel) : 0;
+        for (int k = 0; k < GP_PART_NAMES && s->output.parts.n; k++) {
+            if (strcmp(g->name, gp_part_names[k]) == 0)
+                GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                               "--parts: it has a layer %s of "
+                               "its own; give the light group another name",
+                               g->name));
+        }
         block += strlen(words->at[i]) + 1;
     }
 out:

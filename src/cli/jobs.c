@@ -336,6 +336,8 @@ const struct gp_target_row gp_targets[] = {
                              GLAREPP_INTENSITY},
 };
 
+const char *const gp_part_names[] = {"veil", "core", "flare", "ghosts"};
+
 static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
                             enum gp_target_kind kind, const char *path)
 {

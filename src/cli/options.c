@@ -101,7 +101,8 @@ const struct gp_option gp_options[] = {
     OPT(output.parts, .name = "parts", IN(OUTPUT), .arg = "FILE",
         .help = "Write the parts of --layer, which add up to it, as layers of "
                 "one EXR: veil is light that leaves its pixel, core what "
-                "stays, flare the elements of --flare, ghosts those of --lens"),
+                "stays, flare the elements of --flare, ghosts those of --lens; what a "
+                "--light-group spreads is in a layer of its name instead"),
     OPT(output.grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS",
         .choices = gp_grows, .open = true, .pixels = true,
         .help = "Extend outputs beyond the union of data and display window, "

@@ -101,6 +101,10 @@ struct gp_input_settings {
     bool skip_bad_frames;
 };
 
+/* The layers of --parts, in the order of views from GLAREPP_PART_VEIL on. */
+enum { GP_PART_NAMES = 4 };
+extern const char *const gp_part_names[GP_PART_NAMES];
+
 /* Files to write. */
 struct gp_output_settings {
     struct gp_texts pictures;          // -o

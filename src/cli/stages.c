@@ -178,6 +178,7 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     p.layer_ends = r->layer_ends;
     p.details = r->details;
     p.parts = r->s->output.parts.n > 0;
+    p.parts_of_groups = fs->groups > 0;
     if (writes_floats(r, fs))
         p.noise = 2e-5f;
     p.user = (void *) (uintptr_t) fs->log;
@@ -563,21 +564,30 @@ out:
     return st;
 }
 
-/* Writes the parts of the layer. */
-static gp_status write_parts(struct gp_frame_state *fs,
+/* Writes the parts of the layer, and then what each light group has of it. */
+static gp_status write_parts(const struct gp_run *r, struct gp_frame_state *fs,
                              const struct gp_write_params *p, const char *name,
                              struct gp_write_stats *stats)
 {
-    static const char *const names[] = {"veil", "core", "flare", "ghosts"};
-    enum { PARTS = sizeof names / sizeof *names };
-    struct gp_planes part[PARTS];
-    gp_status st = GP_OK;
-    for (int i = 0; i < PARTS && !st; i++)
-        st = look_at(fs, (enum glarepp_view)(GLAREPP_PART_VEIL + i), 0,
-                     &part[i], NULL);
-    return st ? st
-              : gp_write_parts(fs->log, p, name, &fs->file, names, part, PARTS,
-                               stats);
+    const char **names = NULL;
+    struct gp_planes *part = NULL;
+    const int n = GP_PART_NAMES + fs->groups;
+    gp_status st;
+    GP_TRY(gp_alloc(fs->log, "parts", (size_t) n, sizeof *part, &part));
+    GP_TRY(gp_alloc(fs->log, "parts", (size_t) n, sizeof *names, &names));
+    for (int i = 0; i < n; i++) {
+        const int group = i < GP_PART_NAMES ? 0 : i - GP_PART_NAMES + 1;
+        names[i] = group ? r->s->input.group[group - 1].name : gp_part_names[i];
+        GP_TRY(look_at(fs,
+                       group ? GLAREPP_GLARE
+                             : (enum glarepp_view)(GLAREPP_PART_VEIL + i),
+                       group, &part[i], NULL));
+    }
+    st = gp_write_parts(fs->log, p, name, &fs->file, names, part, n, stats);
+out:
+    gp_free(names);
+    gp_free(part);
+    return st;
 }
 
 static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
@@ -594,7 +604,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     if (t->kind == GP_TARGET_HDR)
         return write_hdr(r, fs, p, t->whole ? r->jobs->views : 1, name, stats);
     if (t->kind == GP_TARGET_PARTS)
-        return write_parts(fs, p, name, stats);
+        return write_parts(r, fs, p, name, stats);
     if (!picture)
         pictures.alpha = GP_ALPHA_BLACK; // light to be added has no alpha
     if (picture || t->kind == GP_TARGET_POLYGONS)

@@ -17,6 +17,8 @@ need_python
 #   grown IN OUT   what OUT has more than IN: the colour has as much more as
 #                  the layers, key and rim have some, all else has its bits
 #   same A B L..   layers L of A and B have the same bits
+#   apart LAYER PARTS KEY RIM LIGHT  layers key and rim of PARTS are KEY and RIM,
+#                  all layers together are LAYER; "a sun" is in veil and core
 #   energy IN OUT  sums of colour and layers, --mix scatter: the light inside
 #                  the frame did not become more
 cat >light.py <<'EOF'
@@ -129,6 +131,18 @@ def same(a, b, *layers):
 
 def differ(a, b, layer):
     assert colour(load(a), layer).tobytes() != colour(load(b), layer).tobytes()
+
+def apart(layer, parts, key, rim, light):
+    p, whole = load(parts), colour(load(layer), "")
+    own = {n: colour(p, n) for n in sorted({c.split(".")[0] for c in p})}
+    assert list(own) == ["core", "flare", "ghosts", "key", "rim", "veil"], own
+    error = numpy.linalg.norm(sum(own.values()) - whole) / numpy.linalg.norm(whole)
+    assert error < 1e-6, error
+    for n, file in ("key", key), ("rim", rim):
+        alone = colour(load(file), "")
+        assert alone.any() and numpy.abs(own[n] - alone).max() <= 1e-6 * alone.max(), n
+    rest = [numpy.linalg.norm(own[n]) / numpy.linalg.norm(whole) for n in ("veil", "core")]
+    assert all((v > 1e-5) == (light == "a sun") for v in rest), rest
 
 def energy(before, after, most):
     p, q = load(before), load(after)
@@ -300,15 +314,42 @@ for gain in .5 2; do
     ok '... and of the group' ask times 1 a.exr b.exr key
 done
 own='--light-group key:kernel=star,gain=1.5 --light-group rim:kernel=ring'
+
+# -- what each spreads, in --parts ---------------------------------------------
+
+printf '[{"shape": "disc", "source": "bright", "position": -0.5, "size": 0.2,
+    "color": 0.1}]' >image.json
+sun='--depth none --sun 30,20,2 --sun-color 900'
+for how in '-e fft' '-e direct --tint 1,.5,.2 --layer-saturation .4' \
+    '--flare image.json --flare-gain 2'; do
+    # shellcheck disable=SC2086
+    {
+        "$glarepp" -q $how --light-group key:kernel=star,gain=1.5 --type float \
+            --layer key.exr plain.exr
+        "$glarepp" -q $how --light-group rim:kernel=ring --type float \
+            --layer rim.exr plain.exr
+        run $how $own --type float --parts p.exr --layer l.exr --hdr h.exr plain.exr
+        quiet_success "$how: --parts"
+        ok "$how: a layer for each group, and all add up" ask apart l.exr p.exr \
+            key.exr rim.exr none
+        run $how $own $sun --type float --parts p.exr --layer l.exr plain.exr
+        ok "$how: the light of a sun is in no group" ask apart l.exr p.exr \
+            key.exr rim.exr 'a sun'
+    }
+done
+run --light-group veil --parts p.exr plain.exr
+is "$status $(cat err)" "2 glarepp: --parts: it has a layer veil of its own; give the light group another name" \
+    'a group that is called like a part'
+
 # shellcheck disable=SC2086
 {
     "$glarepp" -q $own --threads 1 --hdr t1.exr --layer l1.exr plain.exr
     "$glarepp" -q $own --threads 3 --frame-jobs 2 --hdr t2.exr --layer l2.exr plain.exr
     same t1.exr t2.exr 'kernels of groups: the same bytes on three threads'
     same l1.exr l2.exr '... and the same layer'
-    "$glarepp" -q $own --sun 30,20,2 --sun-color 900 --type float --layer both.exr plain.exr
+    "$glarepp" -q $own $sun --type float --layer both.exr plain.exr
     "$glarepp" -q $own --type float --layer a.exr plain.exr
-    "$glarepp" -q --light-group fill:gain=0 --sun 30,20,2 --sun-color 900 \
+    "$glarepp" -q --light-group fill:gain=0 $sun \
         --type float --layer b.exr plain.exr
     ok 'the kernel of -k spreads the sun' ask sums both.exr a.exr b.exr
     run -e fft $own --type float --hdr h.exr --layer l.exr huge.exr
