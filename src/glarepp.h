@@ -526,11 +526,13 @@ struct glarepp_plan_params {
     const struct glarepp_tone_params *tone;
     const struct glarepp_kernel *const *more; // `mores` of groups; they must
     int mores;                                // outlive the plan
+    struct glarepp_plan *names; // its first frame names lights that are found;
+                                // must outlive the plan; NULL: this plan
 };
 #define GLAREPP_PLAN_PARAMS                                                   \
     {                                                                         \
         sizeof(struct glarepp_plan_params), NULL, 0.0, 0.0, NULL, NULL, NULL, \
-            NULL, NULL, NULL, NULL, 0                                         \
+            NULL, NULL, NULL, NULL, 0, NULL                                   \
     }
 
 struct glarepp_plan;

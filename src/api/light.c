@@ -226,26 +226,27 @@ void gp_api_warn_of_lights(struct glarepp_frame *f)
 /* Finds the lights that the frame shows. Those of the first frame become known. */
 gp_status gp_api_spot(struct glarepp_frame *f)
 {
-    struct glarepp_plan *const plan = f->plan;
+    struct glarepp_plan *const names = f->plan->names;
     struct gp_suns *const suns = &f->work->lights->suns;
-    const int most = plan->sun.found ? plan->sun.found
-                     : suns->knowns  ? 0
-                                     : GP_FOUND_USUAL;
-    pthread_mutex_lock(&plan->lock); // all of it: frames may wait for the first
+    const int most = f->plan->sun.found ? f->plan->sun.found
+                     : suns->knowns     ? 0
+                                        : GP_FOUND_USUAL;
+    pthread_mutex_lock(
+        &names->lock); // all of it: frames may wait for the first
     const struct glarepp_light *const known =
-        suns->knowns ? suns->known : plan->known;
-    const int knowns = suns->knowns ? suns->knowns : plan->knowns;
+        suns->knowns ? suns->known : names->known;
+    const int knowns = suns->knowns ? suns->knowns : names->knowns;
     const gp_status st = gp_suns_spot(&f->log, &f->sources, &f->image, known,
                                       knowns, most, suns);
     for (int i = suns->placed; i < suns->n && !st && !knowns; i++) {
         const struct gp_light *const l = &suns->light[i];
-        struct glarepp_light *const k = &plan->known[plan->knowns++];
+        struct glarepp_light *const k = &names->known[names->knowns++];
         *k =
             (struct glarepp_light) {.place = GLAREPP_FOUND, .at = {l->x, l->y}};
         memcpy(k->flux, l->flux, sizeof k->flux);
         memcpy(k->name, l->name, sizeof k->name);
     }
-    pthread_mutex_unlock(&plan->lock);
+    pthread_mutex_unlock(&names->lock);
     return st ? st : note_shares(f);
 }
 

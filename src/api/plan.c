@@ -229,6 +229,7 @@ static gp_status take_kernels(struct glarepp_plan *plan,
     GP_TRY(gp_alloc_zero(&plan->log, "kernels", 1 + (size_t) p->mores,
                          sizeof *plan->kernel, &plan->kernel));
     plan->mores = p->mores;
+    plan->names = p->names ? p->names : plan;
     if (!p->kernel)
         GP_TRY((gp_status) glarepp_kernel(plan->gp, NULL, &plan->own));
     GP_TRY(take_kernel(plan, &(p->kernel ? p->kernel : plan->own)->request,

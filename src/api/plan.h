@@ -105,6 +105,8 @@ struct glarepp_plan {
     struct gp_api_plan_kernel
         *kernel; // the plan's, then `mores` of groups; owned
     int mores;
+    struct glarepp_plan
+        *names; // whose `known` names lights; this one or another
     struct gp_lens lens;           // not focused
     struct gp_ocio *ocio;          // NULL: tone maps
     pthread_mutex_t lock;          // of the next three, and of notes of `ocio`

@@ -32,6 +32,7 @@ static gp_status make_own_plan(const struct gp_log *log, const struct gp_run *r,
     plan.kernel = r->kernel;
     plan.more = (const struct glarepp_kernel *const *) r->more;
     plan.mores = r->s->input.group_kernels.n;
+    plan.names = r->plan;
     struct gp_place place; // (it knows no frame)
     const struct gp_log there = gp_place_log(&place, log, fs->job->input, 0);
     gp_hear_about(&there);

@@ -321,7 +321,8 @@ static double apart(const struct gp_light *l, const struct glarepp_light *k,
         (double) k->flux[0] + (double) k->flux[1] + (double) k->flux[2];
     const double octaves =
         own > 0.0 && old > 0.0 ? fabs(gp_log(own / old)) / M_LN2 : 0.0;
-    return way <= FAR_AWAY && octaves <= OCTAVES
+    // one that fades has little flux in its old place
+    return way <= (octaves <= OCTAVES ? FAR_AWAY : PLACE)
                ? gp_hypot(way / PLACE, octaves)
                : INFINITY;
 }

@@ -18,6 +18,14 @@ close='a == "True" and float(b) <= .3 and float(c) <= .05'
 
 # -- lights that are found ------------------------------------------------------
 
+# each FILE EXPRESSION: of each line of a report, o being its object
+each()
+{
+    "$python" -c 'import json, sys
+for line in open(sys.argv[1]):
+    eval("print(%s)" % sys.argv[2], {"o": json.loads(line)})' "$1" "$2" 2>&1
+}
+
 "$python" "$cli/spots.py" make
 run --lights auto --write-lights found.json --report r.json --frame-jobs 1 \
     'l.####.pfm'
@@ -25,8 +33,8 @@ status_is 0 'twelve lamps in five frames'
 says "$close" 'each is found, alone, under its name, .3 pixels and 5 % away' \
     check r.json
 run --lights auto --report jobs.json --frame-jobs 4 'l.####.pfm'
-lights='[l for l in o["lights"]]'
-is "$(field jobs.json "$lights")" "$(field r.json "$lights")" \
+lights='o["lights"]'
+is "$(each jobs.json "$lights")" "$(each r.json "$lights")" \
     'the same with four frames in flight'
 run --lights found.json --report alone.json l.1005.pfm
 is "$(field alone.json "$lights")" "$("$python" -c "
@@ -47,18 +55,25 @@ run --sun "$(field r.json '"%.1f,%.1f,6" % (o["lights"][0]["x"], o["lights"][0][
 is "$(field sun.json '[len(o["lights"]), o["lights"][0]["name"], min(abs(l["x"] - o["lights"][0]["x"]) + abs(l["y"] - o["lights"][0]["y"]) for l in o["lights"][1:]) > 20]')" \
     "[12, 'sun', True]" 'one with a place is not found again'
 
-# a lamp that dims: its flux is its light, fades from 1.5 T, and is gone at T
+# a lamp that dims: its flux is its light, fades from 1.5 T, and is gone at T. In
+# other frames, a steady one is the brighter from the second on
 "$python" - <<'END'
 import struct
 for i, v in enumerate((3, 1.4, 1.1, 1.01, 0.99)):
-    px = [0.0] * (3 * 64 * 64)
-    for y in range(30, 34):
-        for x in range(30, 34):
-            px[3 * (64 * y + x):][:3] = []
-            px[3 * (64 * y + x):3 * (64 * y + x) + 3] = [v] * 3
-    open("d.%d.pfm" % (i + 1), "wb").write(
-        b"PF\n64 64\n-1.0\n" + struct.pack("<%df" % len(px), *px))
+    for name, lamps in ("d", [(30, v)]), ("e", [(30, v), (10, 2)]):
+        px = [0.0] * (3 * 64 * 64)
+        for left, level in lamps:
+            for y in range(30, 34):
+                px[3 * (64 * y + left):3 * (64 * y + left + 4)] = [level] * 12
+        open("%s.%d.pfm" % (name, i + 1), "wb").write(
+            b"PF\n64 64\n-1.0\n" + struct.pack("<%df" % len(px), *px))
 END
+for gain in .1 1:.1,5:.2; do # a plan of the run, and one of each frame
+    run --lights auto --gain $gain --report e.json 'e.#.pfm'
+    is "$(each e.json '*[l["name"] for l in sorted(o["lights"], key=lambda l: -l["x"])]' |
+        xargs)" 'lamp1 lamp2 lamp1 lamp2 lamp1 lamp2 lamp1 lamp2 lamp2' \
+        "--gain $gain: names are those of the first frame"
+done
 run --lights auto --report dim.json 'd.#.pfm'
 ok 'a lamp that dims fades' "$python" -c "
 import json
