@@ -10,12 +10,16 @@ Usage: spots.py make        writes l.1001.pfm to l.1005.pfm and truth.json here:
                             the largest errors: pixels, share of flux
        spots.py data REPORT CAMERA   the same of lamps of a rendered frame, by its
                             camera file
+       spots.py night REPORT CAMERA   ... of balls of one radius, which the camera
+                            file does not have: it is found from all, then each
+                            one's brightest channel is compared
        spots.py sum PARTS LAYER      the norm of LAYER less the sum of PARTS, two
                             EXR files of floats, over that of LAYER
 """
 import json
 import math
 import random
+import statistics
 import struct
 import sys
 
@@ -103,6 +107,24 @@ def rendered(camera):
         yield [x, y, [own["ball_radiance"] * area * c for c in own["color"]]]
 
 
+def night(lights, camera):
+    with open(camera, encoding="utf-8") as f:
+        file = json.load(f)
+    frame = file["frames"][0]
+    seen, sizes = [], []
+    for lamp in frame["lamps"]:
+        x, y, depth = lamp["pixel_xy_depth"]
+        if 0 <= x < file["width"] and 0 <= y < file["height"]:
+            light = nearest(lights, x, y)
+            away = math.dist(lamp["pos"], (0, 0, 1.7))  # from the camera
+            seen.append([x, y, light])
+            sizes.append(max(light["flux"]) / lamp["radiance"] * depth ** 3 / away)
+    usual = statistics.median(sizes)
+    print(len({l["name"] for *_, l in seen}) == len(seen) == len(lights) == 8,
+          "%.3f" % max(math.hypot(l["x"] - x, l["y"] - y) for x, y, l in seen),
+          "%.4f" % max(abs(s / usual - 1) for s in sizes))
+
+
 def main():
     if sys.argv[1] == "make":
         make()
@@ -120,6 +142,9 @@ def main():
         return
     with open(sys.argv[2], encoding="utf-8") as f:
         rows = [json.loads(line) for line in f]
+    if sys.argv[1] == "night":
+        night(rows[0]["lights"], sys.argv[3])
+        return
     if sys.argv[1] == "data":
         compare(rows, [list(rendered(sys.argv[3]))], True)
         return

@@ -87,8 +87,11 @@ if [ -n "$data" ]; then
     run --lights auto --report s.json "$data/scenes/street.1003.exr"
     says "$(echo "$close" | sed 's/\.3/1/')" 'lamps of a rendered street' \
         data s.json "$data/scenes/street.camera.json"
+    run --lights auto --report n.json "$data/rendered/night.1001.exr"
+    says "$(echo "$close" | sed 's/\.3/1/')" 'lamps of a rendered night' \
+        night n.json "$data/rendered/night.camera.json"
 else
-    skip 1 "$no_data"
+    skip 2 "$no_data"
 fi
 
 # -- a lone frame ----------------------------------------------------------------
