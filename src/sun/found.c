@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,8 @@ enum {
 struct run {
     int x0, x1, y;
     uint32_t root;
+    uint32_t first; // source
+    bool wide;      // of a blob that is no light
 };
 
 struct blob {
@@ -30,42 +33,137 @@ struct blob {
 struct finding {
     const struct gp_sources *src;
     const struct gp_image *f;
-    struct run *run;   // owned
-    uint32_t *row;     // owned; runs of row y: [row[y], row[y + 1])
-    struct blob *blob; // owned
-    uint32_t blobs;
+    struct run *run;      // owned
+    uint32_t *row;        // owned; runs of row y: [row[y], row[y + 1])
+    struct blob *blob;    // owned; room for one a run
+    float *bright, *peak; // owned; luminance of each source, and the greatest
+    float *least;         // and least of each BLOCK of them; of one allocation
+    struct blob best[GP_FOUND_MOST]; // the brightest first
+    int blobs;
+    bool wide; // a blob is
 };
 
 // -- blobs --------------------------------------------------------------------
 
-/* Lists the runs of all rows. */
-static gp_status list_runs(const struct gp_log *log, struct finding *d)
+enum { BLOCK = 16 };
+
+/* Notes how bright the sources are, by blocks of them. */
+static gp_status weigh(const struct gp_log *log, struct finding *d)
 {
     const struct gp_sources *const s = d->src;
-    size_t n = 0;
+    const float w0 = s->luminance[0], w1 = s->luminance[1],
+                w2 = s->luminance[2];
+    const size_t blocks = s->n / BLOCK + 1;
+    const gp_status st = gp_alloc(log, "bright pixels", (BLOCK + 2) * blocks,
+                                  sizeof *d->bright, &d->bright);
+    if (st)
+        return st;
+    d->peak = d->bright + BLOCK * blocks;
+    d->least = d->peak + blocks;
+    for (size_t i = 0; i < s->n; i++)
+        d->bright[i] =
+            w0 * s->rgb[0][i] + w1 * s->rgb[1][i] + w2 * s->rgb[2][i];
+    for (size_t b = 0; b < s->n / BLOCK; b++) {
+        const float *const v = d->bright + BLOCK * b;
+        float most = v[0], least = v[0];
+        for (int i = 1; i < BLOCK; i++) {
+            most = v[i] > most ? v[i] : most;
+            least = v[i] < least ? v[i] : least;
+        }
+        d->peak[b] = most;
+        d->least[b] = least;
+    }
+    return GP_OK;
+}
+
+/* Lists pieces of runs of wide blobs, to `out` if there is one: of sources of at
+ * least `level`. Returns how many. */
+static uint32_t cut_runs(const struct finding *d, float level, struct run *out)
+{
+    uint32_t n = 0;
+    for (uint32_t k = 0; k < d->row[d->src->h]; k++) {
+        const struct run *const r = &d->run[k];
+        const uint32_t end = r->first + (uint32_t) (r->x1 - r->x0);
+        bool open = false;
+        for (uint32_t i = r->first, step; i < end && r->wide; i += step) {
+            const bool block =
+                i % BLOCK == 0 && i + BLOCK <= end &&
+                (d->peak[i / BLOCK] < level || d->least[i / BLOCK] >= level);
+            const bool bright = d->bright[i] >= level;
+            const int x = r->x0 + (int) (i - r->first);
+            step = block ? BLOCK : 1;
+            n += bright && !open;
+            if (out && bright && !open)
+                out[n - 1] = (struct run) {x, x, r->y, n - 1, i, false};
+            if (out && bright)
+                out[n - 1].x1 += (int) step;
+            open = bright;
+        }
+    }
+    return n;
+}
+
+/* Goes on to what is brighter in wide blobs. */
+static gp_status rise(const struct gp_log *log, struct finding *d, float level)
+{
+    const uint32_t n = cut_runs(d, level, NULL);
+    struct run *run = NULL;
+    const gp_status st = gp_alloc(log, "runs of bright pixels", (size_t) n + 1,
+                                  sizeof *run, &run);
+    if (st)
+        return st;
+    (void) cut_runs(d, level, run);
+    gp_free(d->run);
+    d->run = run;
+    for (uint32_t y = 0, k = 0; y <= (uint32_t) d->src->h; y++) {
+        while (k < n && (uint32_t) run[k].y < y)
+            k++;
+        d->row[y] = k;
+    }
+    GP_FREE(d->blob);
+    return GP_OK;
+}
+
+/* Returns the end of the run that begins with source i, of a row up to `end`. */
+static uint32_t run_end(const struct gp_sources *s, uint32_t i, uint32_t end)
+{
+    for (;;) {
+        const uint32_t left = end - i;
+        if (left > BLOCK && s->x[i + BLOCK] == s->x[i] + BLOCK)
+            i += BLOCK;
+        else if (left > 1 && s->x[i + 1] == s->x[i] + 1)
+            i++;
+        else
+            return i + 1;
+    }
+}
+
+/* Lists the runs of all sources. */
+static gp_status list_rows(const struct gp_log *log, struct finding *d)
+{
+    const struct gp_sources *const s = d->src;
+    uint32_t n = 0, next;
     gp_status st = gp_alloc(log, "runs of bright pixels", (size_t) s->h + 1,
                             sizeof *d->row, &d->row);
     for (int y = 0; y < s->h && !st; y++) {
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-            n += i == s->row[y] || s->x[i] != s->x[i - 1] + 1;
+        d->row[y] = n;
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i = next, n++)
+            next = run_end(s, i, s->row[y + 1]);
     }
     if (!st)
-        st = gp_alloc(log, "runs of bright pixels", n + 1, sizeof *d->run,
-                      &d->run);
+        st = gp_alloc(log, "runs of bright pixels", (size_t) n + 1,
+                      sizeof *d->run, &d->run);
     if (st)
         return st;
-    uint32_t k = 0;
+    d->row[s->h] = n;
+    n = 0;
     for (int y = 0; y < s->h; y++) {
-        d->row[y] = k;
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-            if (i == s->row[y] || s->x[i] != s->x[i - 1] + 1) {
-                d->run[k] = (struct run) {s->x[i], s->x[i], y, k};
-                k++;
-            }
-            d->run[k - 1].x1++;
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i = next, n++) {
+            next = run_end(s, i, s->row[y + 1]);
+            d->run[n] = (struct run) {
+                s->x[i], s->x[i] + (int) (next - i), y, n, i, false};
         }
     }
-    d->row[s->h] = k;
     return GP_OK;
 }
 
@@ -96,43 +194,51 @@ static void join_runs(struct finding *d)
     }
 }
 
-static int by_light(const void *a, const void *b)
+/* Adds a blob to the brightest; of equal ones the first stays first. */
+static void rank(struct finding *d, const struct blob *b)
 {
-    const struct blob *const x = a, *const y = b;
-    return x->light != y->light ? (x->light < y->light ? 1 : -1)
-                                : (x->root > y->root) - (x->root < y->root);
+    int at = d->blobs;
+    if (at == GP_FOUND_MOST && d->best[at - 1].light >= b->light)
+        return;
+    at -= at == GP_FOUND_MOST;
+    d->blobs = at + 1;
+    for (; at > 0 && d->best[at - 1].light < b->light; at--)
+        d->best[at] = d->best[at - 1];
+    d->best[at] = *b;
 }
 
-/* Lists the blobs that are no larger than lights, the brightest first. */
+/* Lists the brightest blobs that are no larger than lights, and marks the runs of
+ * others. */
 static gp_status list_blobs(const struct gp_log *log, struct finding *d)
 {
-    const struct gp_sources *const s = d->src;
-    const uint32_t runs = d->row[s->h];
+    const uint32_t runs = d->row[d->src->h];
     const int most = gp_max(gp_rect_h(d->f->display) / SIDE, 1);
     const gp_status st = gp_alloc_zero(log, "blobs", (size_t) runs + 1,
                                        sizeof *d->blob, &d->blob);
     if (st)
         return st;
-    uint32_t i = 0, n = 0; // source, blobs that are kept
+    d->blobs = 0;
+    d->wide = false;
     for (uint32_t k = 0; k < runs; k++) {
-        const struct run *const r = &d->run[k];
-        struct blob *const b = &d->blob[root_of(d->run, k)];
+        struct run *const r = &d->run[k];
         const struct gp_rect box = {r->x0, r->y, r->x1, r->y + 1};
-        b->box = b->light > 0.0 ? gp_rect_join(b->box, box) : box;
-        b->root = root_of(d->run, k);
-        for (int x = r->x0; x < r->x1; x++, i++) {
-            for (int c = 0; c < 3; c++)
-                b->light += (double) s->luminance[c] * (double) s->rgb[c][i];
-        }
+        r->root = root_of(d->run, k); // no root comes after its runs
+        struct blob *const b = &d->blob[r->root];
+        b->box = r->root < k ? gp_rect_join(b->box, box) : box;
+        b->root = r->root;
     }
     for (uint32_t k = 0; k < runs; k++) {
-        const struct blob *const b = &d->blob[k];
-        if (b->light > 0.0 && gp_rect_w(b->box) <= most &&
-            gp_rect_h(b->box) <= most)
-            d->blob[n++] = *b;
+        struct run *const r = &d->run[k];
+        struct blob *const b = &d->blob[r->root];
+        r->wide = gp_rect_w(b->box) > most || gp_rect_h(b->box) > most;
+        d->wide = d->wide || r->wide;
+        for (int x = r->x0; x < r->x1 && !r->wide; x++)
+            b->light += (double) d->bright[r->first + (uint32_t) (x - r->x0)];
     }
-    qsort(d->blob, n, sizeof *d->blob, by_light);
-    d->blobs = n < GP_FOUND_MOST ? n : GP_FOUND_MOST;
+    for (uint32_t k = 0; k < runs; k++) {
+        if (d->run[k].root == k && !d->run[k].wide)
+            rank(d, &d->blob[k]);
+    }
     return GP_OK;
 }
 
@@ -140,6 +246,20 @@ static gp_status list_blobs(const struct gp_log *log, struct finding *d)
 
 /* Kinds of pixels around a blob. */
 enum { FAR, GROUND, OTHER, OWN };
+
+/* Returns the first run of row y that ends after x. */
+static uint32_t first_run(const struct finding *d, int y, int x)
+{
+    uint32_t low = d->row[y], high = d->row[y + 1];
+    while (low < high) {
+        const uint32_t k = low + (high - low) / 2;
+        if (d->run[k].x1 > x)
+            high = k;
+        else
+            low = k + 1;
+    }
+    return low;
+}
 
 /* Marks those pixels of `area` that are up to some way from the blob's sources, or
  * from others', in turn. */
@@ -160,19 +280,19 @@ static void mark(struct finding *d, const struct blob *b, struct gp_rect area,
     memset(at, FAR, (size_t) w * (size_t) gp_rect_h(area));
     for (int i = 0; i < 4; i++) {
         const int reach = turn[i].reach;
-        const uint32_t first = d->row[gp_max(area.y0 - reach, 0)];
-        const uint32_t end = d->row[gp_min(area.y1 + reach, d->src->h)];
-        for (uint32_t k = first; k < end; k++) {
-            const struct run *const r = &d->run[k];
-            const int x0 = gp_max(r->x0 - reach, area.x0);
-            const int x1 = gp_min(r->x1 + reach, area.x1);
-            const int y1 = gp_min(r->y + reach + 1, area.y1);
-            if (x0 >= x1 || (root_of(d->run, k) == b->root) != turn[i].own)
-                continue;
-            for (int y = gp_max(r->y - reach, area.y0); y < y1; y++)
-                memset(at + (size_t) (y - area.y0) * (size_t) w +
-                           (x0 - area.x0),
-                       turn[i].as, (size_t) (x1 - x0));
+        const int last = gp_min(area.y1 + reach, d->src->h);
+        for (int y = gp_max(area.y0 - reach, 0); y < last; y++) {
+            const int y0 = gp_max(y - reach, area.y0) - area.y0;
+            const int y1 = gp_min(y + reach + 1, area.y1) - area.y0;
+            for (uint32_t k = first_run(d, y, area.x0 - reach);
+                 k < d->row[y + 1] && d->run[k].x0 - reach < area.x1; k++) {
+                const struct run *const r = &d->run[k];
+                const int x0 = gp_max(r->x0 - reach, area.x0) - area.x0;
+                const int x1 = gp_min(r->x1 + reach, area.x1) - area.x0;
+                for (int v = y0; v < y1 && (r->root == b->root) == turn[i].own;
+                     v++)
+                    memset(at + v * w + x0, turn[i].as, (size_t) (x1 - x0));
+            }
         }
     }
 }
@@ -214,11 +334,21 @@ static long long add_up(const struct finding *d, struct gp_rect area,
     return n;
 }
 
-/* Measures a blob as a light; `at` has room for its area. False: it is none. */
-static bool measure(struct finding *d, const struct blob *b, unsigned char *at,
-                    struct gp_light *out)
+/* Returns how much of a light there is, 0 to 1, on its way from `from` to `to`. */
+static double fade(double v, double from, double to)
 {
-    static const double FADE = 0.5;        // of the threshold
+    const double t =
+        to > from ? fmax(0.0, fmin((v - from) / (to - from), 1.0)) : 1.0;
+    return t * t * (3.0 - 2.0 * t);
+}
+
+/* Measures a blob as a light, of a part of a wide one if `part`; `at` has room for
+ * its area. False: it is none. */
+static bool measure(struct finding *d, const struct blob *b, bool part,
+                    unsigned char *at, struct gp_light *out)
+{
+    static const double FADE = 1.5;        // of the threshold, to all of it
+    static const double OVER = 4.0;        // times its ground, 1.5 to all of it
     static const double PIXEL = 1.0 / 6.0; // second moment of a pixel
     static const double none[3] = {0.0, 0.0, 0.0};
     const int more = SKIRT + RING;
@@ -237,15 +367,21 @@ static bool measure(struct finding *d, const struct blob *b, unsigned char *at,
     const double x = own.y[1] / own.y[0], y = own.y[2] / own.y[0];
     const double moment = own.y[3] / own.y[0] - x * x - y * y - PIXEL;
     const double t = (double) d->src->threshold;
+    double ground_light = 0.0;
+    for (int c = 0; c < 3; c++)
+        ground_light += (double) d->src->luminance[c] * ground.light[c];
+    // the least that its brightest pixel would have, wherever in it the light is
+    const double least = fmin(own.peak, own.y[0] / 4.0);
     const double over =
-        t > 0.0 ? fmax(0.0, fmin((own.peak - t) / (FADE * t), 1.0)) : 1.0;
+        fade(least, t, FADE * t) *
+        (part ? fade(own.peak, OVER * ground_light, FADE * OVER * ground_light)
+              : 1.0);
     *out = (struct gp_light) GP_LIGHT_DEFAULTS;
     out->x = d->src->x0 + area.x0 + x;
     out->y = d->src->y0 + area.y0 + y;
     out->radius = sqrt(fmax(2.0 * moment, 0.0));
     for (int c = 0; c < 3; c++)
-        out->flux[c] = (float) (over * over * (3.0 - 2.0 * over) *
-                                fmax(own.light[c], 0.0));
+        out->flux[c] = (float) (over * fmax(own.light[c], 0.0));
     out->found = out->in_frame = true;
     out->low = out->high = 1.0;
     return gp_light_has_flux(out);
@@ -272,38 +408,61 @@ static void sort_lights(struct gp_light *light, int n, const float weight[3])
     }
 }
 
-gp_status gp_lights_find(const struct gp_log *log, const struct gp_sources *src,
-                         const struct gp_image *f, struct gp_light **out,
-                         int *n)
+/* Adds the lights among the blobs to a list that has room for them. */
+static gp_status measure_all(const struct gp_log *log, struct finding *d,
+                             bool part, struct gp_light *light, int *n)
 {
-    struct finding d = {.src = src, .f = f};
-    struct gp_light *light = NULL;
-    unsigned char *at = NULL;
+    unsigned char *at;
     size_t room = 1;
-    gp_status st;
-    *n = 0;
-    *out = NULL;
-    GP_TRY(list_runs(log, &d));
-    join_runs(&d);
-    GP_TRY(list_blobs(log, &d));
-    for (uint32_t i = 0; i < d.blobs; i++) {
-        const struct gp_rect b = d.blob[i].box;
+    for (int i = 0; i < d->blobs; i++) {
+        const struct gp_rect b = d->best[i].box;
         const size_t more = 2 * (SKIRT + RING);
         const size_t area =
             ((size_t) gp_rect_w(b) + more) * ((size_t) gp_rect_h(b) + more);
         room = area > room ? area : room;
     }
-    GP_TRY(gp_alloc(log, "blobs", room, 1, &at));
-    GP_TRY(gp_alloc(log, "lights", d.blobs + 1, sizeof *light, &light));
-    for (uint32_t i = 0; i < d.blobs; i++)
-        *n += measure(&d, &d.blob[i], at, &light[*n]);
-    sort_lights(light, *n, src->luminance);
-    *out = light;
-out:
+    const gp_status st = gp_alloc(log, "blobs", room, 1, &at);
+    for (int i = 0; i < d->blobs && !st; i++)
+        *n += measure(d, &d->best[i], part, at, &light[*n]);
     gp_free(at);
+    sort_lights(light, *n, d->src->luminance);
+    *n = gp_min(*n, GP_FOUND_MOST);
+    return st;
+}
+
+gp_status gp_lights_find(const struct gp_log *log, const struct gp_sources *src,
+                         const struct gp_image *f, struct gp_light **out,
+                         int *n, bool *wide)
+{
+    struct finding d = {.src = src, .f = f};
+    struct gp_light *light = NULL;
+    float level = src->threshold;
+    gp_status st;
+    *n = 0;
+    *wide = false;
+    *out = NULL;
+    GP_TRY(gp_alloc(log, "lights", 2 * (size_t) GP_FOUND_MOST, sizeof *light,
+                    &light));
+    GP_TRY(weigh(log, &d));
+    GP_TRY(list_rows(log, &d));
+    for (bool part = false;; part = true) {
+        join_runs(&d);
+        GP_TRY(list_blobs(log, &d));
+        GP_TRY(measure_all(log, &d, part, light, n));
+        if (!d.wide)
+            break;
+        *wide = true;
+        level = fmaxf(4.0f * level, FLT_MIN);
+        GP_TRY(rise(log, &d, level));
+    }
+    *out = light;
+    light = NULL;
+out:
+    gp_free(light);
     gp_free(d.run);
     gp_free(d.row);
     gp_free(d.blob);
+    gp_free(d.bright);
     return st;
 }
 

@@ -15,17 +15,23 @@ enum { GP_FOUND_USUAL = 32, GP_FOUND_MOST = 256 };
  * at corners too. Its light is what its pixels, and those up to 2 pixels from
  * them, have over their ground: the mean of the pixels 3 to 5 away that are in
  * reach of no blob. Place and radius are the light's centroid and that of the
- * even disc with its second moment. Blobs wider than a quarter of the display
- * window's height are no lights. One whose brightest pixel is from T to 1.5 T
- * has a part of its flux, from 0 to all: none pops up.
+ * even disc with its second moment. A blob wider than a quarter of the display
+ * window's height is no light, but what is brighter in it may be: it is looked at
+ * over 4 times the level, and again; that must be 4 times as bright as its ground,
+ * as a sun in a bright sky is.
+ *   None pops up: a light has a part of its flux, from 0 to all, from T to 1.5 T
+ * of its brightest pixel, or of a quarter of its luminance where that is less (it
+ * may be the middle of four pixels); and from 4 to 6 times its ground.
  *   src  of the frame; f: its pixels, after gp_sense()
  *   out  owned by the caller, gp_free(); *n, to GP_FOUND_MOST, by falling flux;
  *        without names
+ *   wide  a blob is no light
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_lights_find(const struct gp_log *log,
                                        const struct gp_sources *src,
                                        const struct gp_image *f,
-                                       struct gp_light **out, int *n);
+                                       struct gp_light **out, int *n,
+                                       bool *wide);
 
 /* Gives lights the names of `known`, at most GP_LIGHTS_MAX places and fluxes of
  * another frame, none "": by pairs whose places, in 1/20 of `height`, and whose

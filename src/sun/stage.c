@@ -237,7 +237,8 @@ gp_status gp_suns_spot(const struct gp_log *log, const struct gp_sources *src,
     struct gp_light *found = NULL, *all;
     int n, kept = 0, fresh = 0, named = 0;
     gp_status st;
-    GP_TRY(gp_lights_find(log, src, f, &found, &n));
+    bool wide;
+    GP_TRY(gp_lights_find(log, src, f, &found, &n, &wide));
     GP_TRY(gp_lights_name(log, found, n, known, knowns, gp_rect_h(f->display)));
     GP_TRY(gp_alloc(log, "lights", (size_t) (suns->placed + n) + 1, sizeof *all,
                     &all));
