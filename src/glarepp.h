@@ -380,13 +380,15 @@ enum glarepp_place {
     GLAREPP_PIXEL,
     GLAREPP_WORLD,
     GLAREPP_DIRECTION,
-    GLAREPP_FOUND, // where another frame showed it: `found`
+    GLAREPP_FOUND, // where another frame showed it: `found`. Several of one name,
+                   // in order of frames, are one that moves: linear between
 };
 
 /* A sun or lamp. */
 struct glarepp_light {
     enum glarepp_place place;
-    double at[3];       // pixel x, y; point of the world; direction to it
+    double at[3];       // pixel x, y, of FOUND in frame z; point of the world;
+                        // direction to it
     double radius;      // pixels; < 0: by `degrees` or `ball`, else 0.5
     double degrees;     // across, of a direction; 0 to 90
     double ball;        // radius of a lamp in the world's units; 0: none
@@ -395,10 +397,16 @@ struct glarepp_light {
     float flux[3];      // scene-linear, summed over pixels; 0: no glare of its
                         // own, no flare
     char name[64];
+    float gain[3]; // of a FOUND light, times the flux that SENSE finds
 };
-#define GLAREPP_LIGHT                                                         \
-    { GLAREPP_PIXEL, {0.0, 0.0, 0.0}, -1.0, 0.0, 0.0, (double) __builtin_nan(""), \
-      1e-3, {0.0f, 0.0f, 0.0f}, "" }
+#define GLAREPP_LIGHT                                                 \
+    {                                                                 \
+        GLAREPP_PIXEL, {0.0, 0.0, 0.0}, -1.0, 0.0, 0.0,               \
+            (double) __builtin_nan(""), 1e-3, {0.0f, 0.0f, 0.0f}, "", \
+        {                                                             \
+            1.0f, 1.0f, 1.0f                                          \
+        }                                                             \
+    }
 
 enum glarepp_share_method {
     GLAREPP_EXACT,      // areas, in double

@@ -169,8 +169,10 @@ gp_status gp_api_shares(struct glarepp_frame *f)
     return st || !f->plan->lights ? st : note_shares(f);
 }
 
-/* Warns of a light that bright pixels at its own place hide: they are the light. */
-static void warn_of_hidden(struct glarepp_frame *f, const struct gp_light *l)
+/* Tests whether bright pixels at a light's own place hide it: they are the light;
+ * warns if it `says` so. */
+static bool is_hidden(struct glarepp_frame *f, const struct gp_light *l,
+                      bool says)
 {
     const struct gp_image *const image = &f->image;
     const struct gp_suns *const suns = &f->work->lights->suns;
@@ -178,20 +180,23 @@ static void warn_of_hidden(struct glarepp_frame *f, const struct gp_light *l)
     const struct gp_rect data = image->data;
     if (l->behind || l->visibility > 0.0 || x < data.x0 || x >= data.x1 ||
         y < data.y0 || y >= data.y1)
-        return;
+        return false;
     const double depth = gp_occluders_at(&suns->occluders, x, y).place;
     const size_t at = (size_t) (y - data.y0) * (size_t) gp_rect_w(data) +
                       (size_t) (x - data.x0);
     float own = 0.0f;
     for (int c = 0; c < 3; c++)
         own += image->luminance[c] * image->rgb.c[c][at];
-    if (own > f->sources.threshold && depth < l->depth &&
-        gp_api_says(&f->plan->said, GP_SAID_HIDDEN))
-        gp_say_at(&f->log, GP_LEVEL_WARN, "lights.depth_there",
-                  "%s: the light %s at %.1f,%.1f is hidden by bright pixels at "
-                  "its own place (depth %.6g, the light's %.6g)",
-                  f->sink.name, l->name[0] ? l->name : "", l->x, l->y, depth,
-                  l->depth);
+    if (!(own > f->sources.threshold && depth < l->depth))
+        return false;
+    if (says)
+        gp_say_at(
+            &f->log, GP_LEVEL_WARN, "lights.depth_there",
+            "%s: the light %s%sat %.1f,%.1f is hidden by bright pixels at "
+            "its own place (depth %.6g, the light's %.6g)",
+            f->sink.name, l->name, l->name[0] ? " " : "", l->x, l->y, depth,
+            l->depth);
+    return true;
 }
 
 void gp_api_warn_of_lights(struct glarepp_frame *f)
@@ -202,11 +207,13 @@ void gp_api_warn_of_lights(struct glarepp_frame *f)
         f->sources.n
             ? (double) f->sources.brightest + (double) f->sources.threshold
             : (double) f->facts.sense.peak;
+    const bool says = !(f->plan->said & GP_SAID_HIDDEN);
     for (int i = 0; i < suns->placed; i++) {
         const struct gp_light *const l = &suns->light[i];
         const double r = fmax(l->radius, 0.5);
         double own = 0.0;
-        warn_of_hidden(f, l);
+        if (is_hidden(f, l, says)) // all of the first frame that has some
+            atomic_fetch_or(&f->plan->said, GP_SAID_HIDDEN);
         for (int c = 0; c < 3; c++)
             own += (double) f->image.luminance[c] * (double) l->flux[c];
         own /= M_PI * r * r;
@@ -215,11 +222,10 @@ void gp_api_warn_of_lights(struct glarepp_frame *f)
         if (own > MANY * brightest && brightest > 0.0 &&
             gp_api_says(&f->plan->said, GP_SAID_BRIGHT))
             gp_say_at(&f->log, GP_LEVEL_WARN, "lights.flux",
-                      "%s: the light %s is about %.0f times as bright as the "
-                      "brightest "
-                      "pixel (%.3g a pixel, %.3g)",
-                      f->sink.name, l->name[0] ? l->name : "", own / brightest,
-                      own, brightest);
+                      "%s: the light %s%sis about %.0f times as bright as the "
+                      "brightest pixel (%.3g a pixel, %.3g)",
+                      f->sink.name, l->name, l->name[0] ? " " : "",
+                      own / brightest, own, brightest);
     }
 }
 
@@ -228,26 +234,39 @@ gp_status gp_api_spot(struct glarepp_frame *f)
 {
     struct glarepp_plan *const names = f->plan->names;
     struct gp_suns *const suns = &f->work->lights->suns;
+    const bool listed = suns->knowns;
     const int most = f->plan->sun.found ? f->plan->sun.found
-                     : suns->knowns     ? 0
+                     : listed           ? 0
                                         : GP_FOUND_USUAL;
-    pthread_mutex_lock(
-        &names->lock); // all of it: frames may wait for the first
-    const struct glarepp_light *const known =
-        suns->knowns ? suns->known : names->known;
-    const int knowns = suns->knowns ? suns->knowns : names->knowns;
-    const gp_status st = gp_suns_spot(&f->log, &f->sources, &f->image, known,
-                                      knowns, most, suns);
+    bool wide;
+    (void) gp_lights_at(suns->track, suns->tracks,
+                        f->p.numbered ? f->p.number : 0.0, suns->known);
+    pthread_mutex_lock(&names->lock);
+    // all of it: frames may wait for the first
+    const int knowns = listed ? suns->knowns : names->knowns;
+    const gp_status st = gp_suns_spot(&f->log, &f->sources, &f->image,
+                                      listed ? suns->known : names->known,
+                                      knowns, most, &wide, suns);
     for (int i = suns->placed; i < suns->n && !st && !knowns; i++) {
         const struct gp_light *const l = &suns->light[i];
         struct glarepp_light *const k = &names->known[names->knowns++];
-        *k =
-            (struct glarepp_light) {.place = GLAREPP_FOUND, .at = {l->x, l->y}};
+        *k = (struct glarepp_light) GLAREPP_LIGHT;
+        k->place = GLAREPP_FOUND;
+        k->at[0] = l->x;
+        k->at[1] = l->y;
         memcpy(k->flux, l->flux, sizeof k->flux);
         memcpy(k->name, l->name, sizeof k->name);
     }
     pthread_mutex_unlock(&names->lock);
-    return st ? st : note_shares(f);
+    if (st)
+        return st;
+    if (wide && !suns->n && gp_api_says(&names->said, GP_SAID_WIDE))
+        gp_say_at(
+            &f->log, GP_LEVEL_WARN, "lights.wide",
+            "%s: no light is found: what is bright is wider than a quarter "
+            "of the picture's height",
+            f->sink.name);
+    return note_shares(f);
 }
 
 gp_status gp_api_flare(struct glarepp_frame *f)

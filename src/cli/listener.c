@@ -64,6 +64,7 @@ static const struct hint hints[] = {
     HINT("lights.outside", "give --camera FILE, or --sun-outside ignore")
     HINT("lights.side", "use a smaller --sun-map, or --sun-method exact")
     HINT("lights.sun", "give --sun-color, e.g. --sun-color 5e4")
+    HINT("lights.wide", "name a light with --sun or --lights FILE")
     HINT("params.bridges", "put it beside the program, or leave --ocio out")
     HINT("plan.fov", "check --fov")
     HINT("plan.rotate", "use --rotate 0, 90, 180 or 270")

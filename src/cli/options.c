@@ -262,11 +262,13 @@ const struct gp_option gp_options[] = {
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE|auto[:N]",
         .help = "Read suns and lamps from a JSON file; auto takes the N "
                 "brightest spots of the frame (32 without N), up to a quarter "
-                "of its height wide, for --flare and --lens"),
+                "of its height wide, for --flare and --lens. One fades from "
+                "the threshold to 1.5 times it. Names are those of the first "
+                "frame; others are new1, new2"),
     OPT(sun.write_lights, .name = "write-lights", IN(SUN), .arg = "FILE",
         .once = true, .aside = true, .help = "Write the lights that auto finds "
-        "in the first frame as JSON, to edit and to give to --lights, which "
-        "finds them by it in other frames"),
+        "as JSON, with their places in each frame, to edit and to give to "
+        "--lights, which finds these and no others"),
     OPT(sun.p.flare, .name = "flare", BOTH(SUN), .arg = "FILE|preset:NAME",
         .help = "Read lens-flare elements from a JSON file, or take an "
                 "installed flare (preset:list names them); each light that has "

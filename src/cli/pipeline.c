@@ -3,6 +3,7 @@
 
 #include "cli/machine.h"
 #include "cli/stages.h"
+#include "cli/tracks.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -58,7 +59,7 @@ struct pipeline {
     int dark;                        // frames written without sources
     struct gp_frame_report brightest; // of the dark frames
     struct gp_tally tally;           // of those written
-    bool has_lights;                 // --write-lights is written
+    struct gp_tracks tracks;         // for --write-lights
 };
 
 /* Data that the command line asks nothing of, so that it counts as present. */
@@ -256,7 +257,6 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
     const gp_status st = u->st;
     const bool skipped = st && can_skip(p, u, st);
     const int first = atomic_load(&p->head) * p->run.jobs->views;
-    const char *const write = p->run.s->sun.write_lights;
     gp_status reported = GP_OK;
     gp_frame_log_flush(&u->log);
     if (skipped)
@@ -281,10 +281,11 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
             gp_say_frame(p->log, facts);
         if (p->run.s->run.report)
             reported = gp_report_frame(p->log, p->run.report, facts);
-        if (!st && !reported && write && !p->has_lights && facts->lib.lights) {
-            reported = gp_report_lights(p->log, write, &facts->lib);
-            p->has_lights = true;
-        }
+        if (!st && !reported && v == 0 && p->run.s->sun.write_lights)
+            reported =
+                gp_tracks_add(p->log, &p->tracks, &facts->lib,
+                              facts->job.numbered ? facts->job.frame : first,
+                              facts->read.height);
     }
     free_unit(p, u);
     return st && !skipped ? st : reported;
@@ -544,7 +545,9 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         gp_frame_report_dark(&p.brightest, p.dark, line, sizeof line);
         gp_say(log, GP_LEVEL_WARN, "%s", line);
     }
-    if (s->sun.write_lights && !p.has_lights)
+    if (s->sun.write_lights && p.tracks.n)
+        GP_TRY(gp_tracks_write(log, &p.tracks, s->sun.write_lights));
+    else if (s->sun.write_lights)
         gp_say(log, GP_LEVEL_WARN,
                "%s: not written: no frame has a light; "
                "lower --threshold",
@@ -558,6 +561,7 @@ out:;
     }
     gp_free(p.unit);
     gp_own_plans_end(&p.ended);
+    gp_tracks_free(&p.tracks);
     glarepp_plan_end(&p.run.plan);
     glarepp_kernel_end(&p.run.kernel);
     for (int i = 0; p.run.more && i < s->input.group_kernels.n; i++)

@@ -566,27 +566,6 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     return st;
 }
 
-gp_status gp_report_lights(const struct gp_log *log, const char *path,
-                           const struct glarepp_facts *f)
-{
-    json_t *const all = json_array();
-    for (int i = 0; i < f->lights; i++) {
-        const struct glarepp_share *const l = &f->light[i];
-        if (l->found)
-            json_array_append_new(
-                all, json_pack("{s:s, s:[ff], s:f, s:[fff]}", "name", l->name,
-                               "found", l->x, l->y, "radius", l->radius, "flux",
-                               (double) l->flux[0], (double) l->flux[1],
-                               (double) l->flux[2]));
-    }
-    char *const text = gp_json_print(json_pack("{s:o}", "lights", all),
-                                     JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    const gp_status st = text ? gp_file_save(log, path, text, strlen(text))
-                              : gp_no_memory(log, path);
-    free(text);
-    return st;
-}
-
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
 {
     if (!r->file)

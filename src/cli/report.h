@@ -125,12 +125,6 @@ GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
  * closed or zeroed report is fine. Errors: GP_ERR_IO. */
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
 
-/* Writes the lights that were found in a frame, for --lights; a file that is whole
- * or not there. Errors: GP_ERR_IO; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_report_lights(const struct gp_log *log,
-                                         const char *path,
-                                         const struct glarepp_facts *f);
-
 /* The value of an option; NULL when it is unset. The caller owns it. */
 struct gp_option;
 json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o);

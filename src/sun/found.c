@@ -468,6 +468,30 @@ out:
 
 // -- names --------------------------------------------------------------------
 
+int gp_lights_at(const struct glarepp_light *track, int n, double frame,
+                 struct glarepp_light *out)
+{
+    int lights = 0;
+    for (int i = 0, end; i < n; i = end) {
+        for (end = i + 1;
+             end < n && strcmp(track[end].name, track[i].name) == 0;)
+            end++;
+        int k = i; // the last that is not after the frame, but one
+        while (k + 2 < end && track[k + 1].at[2] <= frame)
+            k++;
+        const struct glarepp_light *const a = &track[k];
+        const struct glarepp_light *const b = &track[k + 1 < end ? k + 1 : k];
+        const double way = b->at[2] - a->at[2];
+        const double t =
+            way > 0.0 ? fmax(0.0, fmin((frame - a->at[2]) / way, 1.0)) : 0.0;
+        out[lights] = *a;
+        for (int c = 0; c < 2; c++)
+            out[lights].at[c] += t * (b->at[c] - a->at[c]);
+        lights++;
+    }
+    return lights;
+}
+
 /* Returns the distance of a light from one that is known; INFINITY: they are two. */
 static double apart(const struct gp_light *l, const struct glarepp_light *k,
                     double height)
@@ -475,13 +499,18 @@ static double apart(const struct gp_light *l, const struct glarepp_light *k,
     static const double PLACE = 0.05, FAR_AWAY = 0.25, OCTAVES = 3.0;
     const double way = gp_hypot(l->x - k->at[0], l->y - k->at[1]) / height;
     const double own =
-        (double) l->flux[0] + (double) l->flux[1] + (double) l->flux[2];
+        (double) fmaxf(l->flux[0], fmaxf(l->flux[1], l->flux[2]));
     const double old =
-        (double) k->flux[0] + (double) k->flux[1] + (double) k->flux[2];
-    const double octaves =
-        own > 0.0 && old > 0.0 ? fabs(gp_log(own / old)) / M_LN2 : 0.0;
+        (double) fmaxf(k->flux[0], fmaxf(k->flux[1], k->flux[2]));
+    double octaves = 0.0; // of all channels, so that colours tell lamps apart
+    for (int c = 0; c < 3 && own > 0.0 && old > 0.0; c++) {
+        const double part = gp_log(((double) l->flux[c] + 0.01 * own) /
+                                   ((double) k->flux[c] + 0.01 * old)) /
+                            M_LN2;
+        octaves = gp_hypot(octaves, part);
+    }
     // one that fades has little flux in its old place
-    return way <= (octaves <= OCTAVES ? FAR_AWAY : PLACE)
+    return way <= (octaves <= OCTAVES * sqrt(3.0) ? FAR_AWAY : PLACE)
                ? gp_hypot(way / PLACE, octaves)
                : INFINITY;
 }
@@ -524,6 +553,8 @@ gp_status gp_lights_name(const struct gp_log *log, struct gp_light *light,
         if (taken[p->known] || l->name[0])
             continue;
         memcpy(l->name, known[p->known].name, sizeof l->name);
+        for (int c = 0; c < 3; c++)
+            l->flux[c] *= known[p->known].gain[c];
         taken[p->known] = true;
     }
     gp_free(pair);

@@ -33,10 +33,17 @@ GP_MUST_CHECK gp_status gp_lights_find(const struct gp_log *log,
                                        struct gp_light **out, int *n,
                                        bool *wide);
 
+/* Where lights are in a frame, by their places in others: those of one name are
+ * side by side, in order of frames; between two it is linear, outside that of the
+ * first or last. `out` has room for n. Returns how many there are. */
+int gp_lights_at(const struct glarepp_light *track, int n, double frame,
+                 struct glarepp_light *out);
+
 /* Gives lights the names of `known`, at most GP_LIGHTS_MAX places and fluxes of
  * another frame, none "": by pairs whose places, in 1/20 of `height`, and whose
  * fluxes, in octaves, are least apart, the nearest first, and at most 1/4 of the
- * height and 3 octaves. Errors: GP_ERR_BUG out of memory. */
+ * height and 3 octaves; or 1/20 whatever the flux is, as of one that fades. Their
+ * fluxes are times its gain. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_lights_name(const struct gp_log *log,
                                        struct gp_light *light, int n,
                                        const struct glarepp_light *known,

@@ -44,8 +44,11 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     const char *name = NULL;
     gp_status st;
     *out = (struct glarepp_light) {
-        .radius = plain.radius, .degrees = SUN_DEGREES, .depth = NAN,
+        .radius = plain.radius,
+        .degrees = SUN_DEGREES,
+        .depth = NAN,
         .bias = plain.bias,
+        .gain = {1.0f, 1.0f, 1.0f},
     };
     GP_TRY(gp_json_keys(p, o, keys));
     for (int i = 0; i < PLACES; i++) {
@@ -84,9 +87,79 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
         out->flux[c] = (float) (flux[c] * colour[c]);
     GP_TRY(gp_json_text(p, o, "name", &name));
     snprintf(out->name, sizeof out->name, "%s", name ? name : "");
-    if (out->place == GLAREPP_FOUND && !out->name[0])
+    if (out->place != GLAREPP_FOUND)
+        return GP_OK;
+    for (int c = 0; c < 3; c++) {
+        out->flux[c] = (float) flux[c];
+        out->gain[c] = (float) colour[c];
+    }
+    if (!out->name[0])
         return gp_json_fail(p, "\"found\" without \"name\"; give one");
+    if (pixels || json_object_get(o, "depth") || json_object_get(o, "bias"))
+        return gp_json_fail(p, "a light that is \"found\" has the frame's own "
+                               "radius and depth; leave \"radius\", \"depth\" "
+                               "and \"bias\" out");
 out:
+    return st;
+}
+
+/* The array of places of a light that moves; NULL: it has one, or none. */
+static json_t *track_of(json_t *o)
+{
+    json_t *const found = json_object_get(o, "found");
+    return json_is_array(json_array_get(found, 0)) ? found : NULL;
+}
+
+/* Reads a light: one, or one for each place of a track. */
+static gp_status read_places(const struct gp_json_place *p, json_t *o,
+                             struct glarepp_light *out, int *n)
+{
+    json_t *const track = track_of(o), *const one = json_copy(o), *item;
+    size_t i;
+    gp_status st = GP_OK;
+    if (!track)
+        st = read_light(p, o, &out[(*n)++]);
+    json_array_foreach(track, i, item)
+    {
+        double at[3];
+        json_object_set(one, "found", item);
+        GP_TRY(
+            gp_json_numbers(p, one, "found", 3, -MOST_PIXEL, MOST_PIXEL, at));
+        if (i && !(at[0] > out[*n - 1].at[2]))
+            GP_TRY(gp_json_fail(p,
+                                "frames of \"found\" must rise (found %g after "
+                                "%g); give them in order",
+                                at[0], out[*n - 1].at[2]));
+        json_object_set_new(one, "found", json_pack("[ff]", at[1], at[2]));
+        GP_TRY(read_light(p, one, &out[*n]));
+        out[(*n)++].at[2] = at[0];
+    }
+out:
+    json_decref(one);
+    return st;
+}
+
+/* Checks that no two lights to be found have one name. */
+static gp_status check_names(const struct gp_json_place *p, json_t *array)
+{
+    gp_status st;
+    json_t *const seen = json_object(), *item;
+    size_t i;
+    json_array_foreach(array, i, item)
+    {
+        json_t *const name = json_object_get(item, "name");
+        if (!json_object_get(item, "found"))
+            continue;
+        if (json_object_get(seen, json_string_value(name)))
+            GP_TRY(gp_fail(p->log, GP_ERR_DATA,
+                           "%s: light %zu: a name that one "
+                           "before has (found \"%s\"); give each its own",
+                           p->path, i + 1, json_string_value(name)));
+        json_object_set(seen, json_string_value(name), name);
+    }
+    st = GP_OK;
+out:
+    json_decref(seen);
     return st;
 }
 
@@ -95,19 +168,24 @@ gp_status gp_lights_read(const struct gp_log *log, const char *path,
 {
     static const char *const whole[] = {"lights", NULL};
     gp_status st;
-    json_t *root = NULL, *array;
+    json_t *root = NULL, *array, *item;
     struct glarepp_light *spec = NULL;
     struct gp_json_place place = {.log = log, .path = path, .what = "light"};
     GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
     if (json_is_object(root))
         GP_TRY(gp_json_keys(&place, root, whole));
     GP_TRY(gp_json_array(&place, root, "lights", GP_LIGHTS_MAX, &array));
-    const int count = (int) json_array_size(array);
-    GP_TRY(gp_alloc_zero(log, path, (size_t) count, sizeof *spec, &spec));
-    for (int i = 0; i < count; i++) {
-        place.index = i + 1;
-        GP_TRY(read_light(&place, json_array_get(array, (size_t) i), &spec[i]));
+    size_t room = 0, i;
+    int count = 0;
+    json_array_foreach(array, i, item) room +=
+        track_of(item) ? json_array_size(track_of(item)) : 1;
+    GP_TRY(gp_alloc_zero(log, path, room, sizeof *spec, &spec));
+    json_array_foreach(array, i, item)
+    {
+        place.index = (int) i + 1;
+        GP_TRY(read_places(&place, item, spec, &count));
     }
+    GP_TRY(check_names(&place, array));
     *out = spec;
     *n = count;
     spec = NULL; // the caller's

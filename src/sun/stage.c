@@ -74,12 +74,20 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_par
                        "%s: has elements of lights, and there is no light "
                        "with flux; write \"source\": \"bright\" in it",
                        p->flare));
-    GP_TRY(gp_alloc(log, "lights", (size_t) (p->lights + out->reads) + 1,
-                    sizeof *out->known, &out->known));
+    const size_t all = (size_t) (p->lights + out->reads) + 1;
+    GP_TRY(gp_alloc(log, "lights", all, sizeof *out->track, &out->track));
     for (int i = 0; i < p->lights + out->reads; i++) {
         if (spec_at(out, i)->place == GLAREPP_FOUND)
-            out->known[out->knowns++] = *spec_at(out, i);
+            out->track[out->tracks++] = *spec_at(out, i);
     }
+    int placed = 0; // those of the file, the others go
+    for (int i = 0; i < out->reads; i++) {
+        if (out->read[i].place != GLAREPP_FOUND)
+            out->read[placed++] = out->read[i];
+    }
+    out->reads = placed;
+    GP_TRY(gp_alloc(log, "lights", all, sizeof *out->known, &out->known));
+    out->knowns = gp_lights_at(out->track, out->tracks, 0.0, out->known);
     for (int k = 0; k < out->flare.n; k++) {
         if (out->flare.element[k].path)
             GP_TRY(read_image(log, picture, user, &out->flare.element[k]));
@@ -232,13 +240,12 @@ static bool is_placed(const struct gp_suns *suns, const struct gp_light *found)
 gp_status gp_suns_spot(const struct gp_log *log, const struct gp_sources *src,
                        const struct gp_image *f,
                        const struct glarepp_light *known, int knowns, int most,
-                       struct gp_suns *suns)
+                       bool *wide, struct gp_suns *suns)
 {
     struct gp_light *found = NULL, *all;
     int n, kept = 0, fresh = 0, named = 0;
     gp_status st;
-    bool wide;
-    GP_TRY(gp_lights_find(log, src, f, &found, &n, &wide));
+    GP_TRY(gp_lights_find(log, src, f, &found, &n, wide));
     GP_TRY(gp_lights_name(log, found, n, known, knowns, gp_rect_h(f->display)));
     GP_TRY(gp_alloc(log, "lights", (size_t) (suns->placed + n) + 1, sizeof *all,
                     &all));
@@ -611,6 +618,7 @@ void gp_suns_close(struct gp_suns *suns)
     gp_flare_free(&suns->flare);
     gp_camera_file_free(&suns->cameras);
     gp_free(suns->read);
+    gp_free(suns->track);
     gp_free(suns->known);
     *suns = (struct gp_suns) {0};
 }

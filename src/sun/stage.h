@@ -38,7 +38,9 @@ struct gp_suns {
     enum gp_gl_api api;
     struct glarepp_light *read; // owned; of p->file
     int reads;
-    struct glarepp_light *known; // owned; of all these, those to be found
+    struct glarepp_light *track; // owned; of all these, those to be found, in
+    int tracks;                  // each frame that is given,
+    struct glarepp_light *known; // owned; ... and in this one
     int knowns;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
@@ -81,13 +83,13 @@ GP_MUST_CHECK gp_status gp_suns_find(const struct gp_log *log,
 /* Adds lights that the frame shows, after gp_sense(): those with names of `known`,
  * and up to `most` in all; names of others are new1, new2, .... One whose centre
  * is on the disc of a light with a place is that light, and none found. Where
- * `known` is empty they are lamp1, lamp2, ....
+ * `known` is empty they are lamp1, lamp2, .... *wide as gp_lights_find() has it.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_suns_spot(const struct gp_log *log,
                                      const struct gp_sources *src,
                                      const struct gp_image *f,
                                      const struct glarepp_light *known,
-                                     int knowns, int most,
+                                     int knowns, int most, bool *wide,
                                      struct gp_suns *suns);
 
 /* Tells what may hide the lights: planes, borrowed to the end of the frame, NULL

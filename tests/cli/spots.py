@@ -5,11 +5,16 @@
 Usage: spots.py make        writes l.1001.pfm to l.1005.pfm and truth.json here:
                             twelve even discs of radius 1.2 to 6 on a noisy
                             ground, which move by 3 pixels a frame
+       spots.py tracks      writes t.1.pfm to t.12.pfm and truth.json here: a warm
+                            and a blue lamp, and two equal ones, that pass each other
+                            over more than a quarter of the height, and a brighter one
+                            from frame 5 on
        spots.py check REPORT   prints, over all frames of a report, whether there
                             is one light for each lamp, of its size, and the names stay, then
                             the largest errors: pixels, share of flux
        spots.py data REPORT CAMERA   the same of lamps of a rendered frame, by its
                             camera file
+       spots.py follow REPORT   prints the names of the lamps of `tracks`
        spots.py night REPORT CAMERA   ... of balls of one radius, which the camera
                             file does not have: it is found from all, then each
                             one's brightest channel is compared
@@ -66,6 +71,44 @@ def make():
             f.write(struct.pack("<%df" % len(image), *image))
     with open("truth.json", "w", encoding="utf-8") as f:
         json.dump(truth, f)
+
+
+def disc(image, w, h, x, y, r, colour):
+    for py in range(int(y - r) - 1, int(y + r) + 2):
+        for px in range(int(x - r) - 1, int(x + r) + 2):
+            if 0 <= px < w and 0 <= py < h:
+                share = coverage(x, y, r, px, py)
+                for c in range(3):
+                    image[3 * ((h - 1 - py) * w + px) + c] += share * colour[c]
+
+
+def tracks():
+    w, h, truth = 240, 120, []
+    for i in range(12):
+        own = [[30 + 15 * i, 52, [60, 30, 9]], [210 - 15 * i, 66, [9, 30, 60]],
+               [20 + 18 * i, 96, [30, 30, 30]], [220 - 18 * i, 108, [30, 30, 30]]]
+        if i >= 4:
+            own.append([120 + 4 * i, 20, [200, 200, 200]])
+        image = [0.1] * (3 * w * h)
+        for x, y, colour in own:
+            disc(image, w, h, x, y, 2.5, colour)
+        with open(f"t.{i + 1}.pfm", "wb") as f:
+            f.write(b"PF\n%d %d\n-1.0\n" % (w, h))
+            f.write(struct.pack("<%df" % len(image), *image))
+        truth.append(own)
+    with open("truth.json", "w", encoding="utf-8") as f:
+        json.dump(truth, f)
+
+
+def follow(rows):
+    """Prints names of each lamp of the truth over all frames."""
+    names = [set() for _ in range(5)]
+    with open("truth.json", encoding="utf-8") as f:
+        for row, own in zip(rows, json.load(f)):
+            assert len(row["lights"]) == len(own), row["lights"]
+            for k, (x, y, _) in enumerate(own):
+                names[k].add(nearest(row["lights"], x, y)["name"])
+    print(*(" ".join(sorted(n)) for n in names))
 
 
 def nearest(lights, x, y):
@@ -129,6 +172,9 @@ def main():
     if sys.argv[1] == "make":
         make()
         return
+    if sys.argv[1] == "tracks":
+        tracks()
+        return
     if sys.argv[1] == "sum":
         import numpy as np
         import OpenImageIO as oiio
@@ -144,6 +190,9 @@ def main():
         rows = [json.loads(line) for line in f]
     if sys.argv[1] == "night":
         night(rows[0]["lights"], sys.argv[3])
+        return
+    if sys.argv[1] == "follow":
+        follow(rows)
         return
     if sys.argv[1] == "data":
         compare(rows, [list(rendered(sys.argv[3]))], True)

@@ -83,6 +83,58 @@ raise SystemExit(not (abs(f[0] - 3) < 1e-5 and 1.2 < f[1] < 1.4 and
                       0.05 < f[2] < 0.2 and 0 < f[3] < .01 and f[4] == 0))" ||
     note "$(cat dim.json | cut -c1-300)"
 
+# -- lights that are followed -----------------------------------------------------
+
+"$python" "$cli/spots.py" tracks
+for jobs in 1 4; do
+    run --lights auto --write-lights t.$jobs.json --frame-jobs $jobs 't.#.pfm'
+    status_is 0 "lamps that pass each other, $jobs in flight"
+done
+same t.1.json t.4.json 'the same lights file with four in flight'
+run --lights t.1.json --report t.rep --layer 't.#.exr' 't.#.pfm'
+is "$("$python" "$cli/spots.py" follow t.rep)" 'lamp1 lamp4 lamp2 lamp3 lamp5' \
+    'each lamp keeps its name, and one that comes later has one'
+run --lights t.1.json --report one.rep --layer one.exr t.7.pfm
+same one.exr t.7.exr 'a lone frame is that of the sequence'
+is "$(field one.rep 'o["lights"]')" "$(sed -n 7p t.rep >7.rep; field 7.rep 'o["lights"]')" \
+    '... and has its lights'
+printf '{"lights": [{"name": "a", "found": [[1, 30, 52], [12, 195, 52]]}]}' >a.json
+run --lights a.json --report a.rep t.9.pfm
+is "$(field a.rep '[(l["name"], round(l["x"])) for l in o["lights"]]')" "[('a', 150)]" \
+    'between frames of the file a light is where it goes'
+sed 's/"color": \[1, 1, 1\]/"color": [0.5, 0.25, 0]/' t.1.json >dim.json
+run --lights dim.json --report dim.rep t.7.pfm
+is "$(field dim.rep '[round(v, 3) for v in o["lights"][0]["flux"]]')" \
+    "$(field one.rep '[round(v * k, 3) for v, k in zip(o["lights"][0]["flux"], (.5, .25, 0))]')" \
+    '"color" takes part of a light'
+
+# -- lights in a bright sky, and less than a pixel -------------------------------
+
+"$python" - <<'END'
+import struct
+def save(name, w, h, pixel):
+    px = [v for y in range(h) for x in range(w) for v in [pixel(x, h - 1 - y)] * 3]
+    open(name, "wb").write(b"PF\n%d %d\n-1.0\n" % (w, h) +
+                           struct.pack("<%df" % len(px), *px))
+save("sky.pfm", 200, 120, lambda x, y: 5000 if (x - 90) ** 2 + (y - 40) ** 2 < 9
+     else 9 if x < 20 > y else 3)
+save("flat.pfm", 200, 120, lambda x, y: 20 if 40 <= x < 120 else 0)
+for i in range(9): # a lamp of a pixel, between two
+    save("p.%d.pfm" % i, 40, 40, lambda x, y: 0.1 + 4.5 *
+         max(0, 1 - abs(x - 20 - i / 8)) * max(0, 1 - abs(y - 20 - i / 8)))
+END
+run --lights auto --report sky.rep sky.pfm
+is "$(field sky.rep '[(l["x"], l["y"], abs(l["flux"][0] / (25 * 4997) - 1) < .01) for l in o["lights"]]')" \
+    '[(90.5, 40.5, True)]' 'a sun in a sky that is over the threshold, and no sky'
+run --lights auto --flare preset:zoom --layer flat.exr flat.pfm
+like "$(cat err)" '*flat.pfm: no light is found: what is bright is wider than a quarter*; name a light*' \
+    'a bright area that is no light: one line'
+run --lights auto --report p.rep 'p.#.pfm'
+ok 'a lamp of a pixel does not pop as it moves' "$python" -c "
+import json
+f = [sum(l['flux'][0] for l in json.loads(row)['lights']) for row in open('p.rep')]
+raise SystemExit(max(f) > 2 * min(f) or min(f) <= 0)" || note "$(cut -c1-400 p.rep)"
+
 if [ -n "$data" ]; then
     run --lights auto --report s.json "$data/scenes/street.1003.exr"
     says "$(echo "$close" | sed 's/\.3/1/')" 'lamps of a rendered street' \

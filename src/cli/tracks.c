@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/tracks.h"
+
+#include "core/json.h"
+#include "core/maths.h"
+#include "core/memory.h"
+#include "io/file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Returns how far a light is from where a track leads; INFINITY: too far. */
+static double apart(const struct gp_track *t, const struct glarepp_share *l,
+                    int frame, int height)
+{
+    static const double NEAR = 0.02, FAR_AWAY = 0.15; // of the height
+    static const double LOST = 24.0;                  // frames
+    const double *const last = t->at[t->n - 1];
+    const double *const before = t->at[t->n > 1 ? t->n - 2 : 0];
+    const double since = frame - last[0], step = last[0] - before[0];
+    const double more = step > 0.0 ? since / step : 0.0;
+    const double way = gp_hypot(l->x - last[1] - more * (last[1] - before[1]),
+                                l->y - last[2] - more * (last[2] - before[2]));
+    const float most[2] = {fmaxf(t->flux[0], fmaxf(t->flux[1], t->flux[2])),
+                           fmaxf(l->flux[0], fmaxf(l->flux[1], l->flux[2]))};
+    double colour = 0.0; // octaves between those of equal brightness
+    for (int c = 0; c < 3 && most[0] > 0.0f && most[1] > 0.0f; c++)
+        colour =
+            gp_hypot(colour, gp_log((double) (l->flux[c] / most[1] + 0.01f) /
+                                    (double) (t->flux[c] / most[0] + 0.01f)) /
+                                 M_LN2);
+    return way <= FAR_AWAY * height && since <= LOST
+               ? gp_hypot(way / (NEAR * height), 2.0 * colour)
+               : INFINITY;
+}
+
+static gp_status add_place(const struct gp_log *log, struct gp_track *t,
+                           const struct glarepp_share *l, int frame)
+{
+    void *at = t->at;
+    const gp_status st =
+        gp_resize(log, "lights", ((size_t) t->n + 1) * sizeof *t->at, &at);
+    if (st)
+        return st;
+    t->at = at;
+    t->at[t->n][0] = frame;
+    t->at[t->n][1] = l->x;
+    t->at[t->n++][2] = l->y;
+    for (int c = 0; c < 3; c++)
+        t->flux[c] = fmaxf(t->flux[c], l->flux[c]);
+    return GP_OK;
+}
+
+gp_status gp_tracks_add(const struct gp_log *log, struct gp_tracks *t,
+                        const struct glarepp_facts *f, int frame, int height)
+{
+    const int before = t->n;
+    bool *added;
+    void *tracks = t->track;
+    gp_status st;
+    GP_TRY(gp_alloc_zero(log, "lights", (size_t) f->lights + 1, sizeof *added,
+                         &added));
+    // the nearest pair first, until none is near
+    for (;;) {
+        struct gp_track *track = NULL;
+        double least = INFINITY;
+        int light = 0;
+        for (int i = 0; i < f->lights; i++) {
+            for (int k = 0; k < before && f->light[i].found && !added[i]; k++) {
+                struct gp_track *const own = &t->track[k];
+                const double d = own->at[own->n - 1][0] < frame
+                                     ? apart(own, &f->light[i], frame, height)
+                                     : INFINITY;
+                if (d < least) {
+                    least = d;
+                    track = own;
+                    light = i;
+                }
+            }
+        }
+        if (!track)
+            break;
+        added[light] = true;
+        GP_TRY(add_place(log, track, &f->light[light], frame));
+    }
+    for (int i = 0; i < f->lights; i++) {
+        if (added[i] || !f->light[i].found)
+            continue;
+        GP_TRY(gp_resize(log, "lights", ((size_t) t->n + 1) * sizeof *t->track,
+                         &tracks));
+        t->track = tracks;
+        t->track[t->n] = (struct gp_track) {0};
+        GP_TRY(add_place(log, &t->track[t->n++], &f->light[i], frame));
+    }
+out:
+    gp_free(added);
+    return st;
+}
+
+gp_status gp_tracks_write(const struct gp_log *log, const struct gp_tracks *t,
+                          const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    gp_status st = GP_OK;
+    FILE *const f = open_memstream(&text, &size);
+    if (!f)
+        return gp_no_memory(log, path);
+    fputs("{\"lights\": [\n", f);
+    for (int i = 0; i < t->n && !st; i++) { // one a line
+        const struct gp_track *const own = &t->track[i];
+        json_t *const found = json_array();
+        char name[32];
+        for (int k = 0; k < own->n && own->n > 1; k++)
+            json_array_append_new(found,
+                                  json_pack("[iff]", (int) own->at[k][0],
+                                            own->at[k][1], own->at[k][2]));
+        for (int c = 1; c < 3 && own->n == 1; c++)
+            json_array_append_new(found, json_real(own->at[0][c]));
+        snprintf(name, sizeof name, "lamp%d", i + 1);
+        char *const line = gp_json_print(
+            json_pack("{s:s, s:o, s:[fff], s:[iii]}", "name", name, "found",
+                      found, "flux", (double) own->flux[0],
+                      (double) own->flux[1], (double) own->flux[2], "color", 1,
+                      1, 1),
+            JSON_REAL_PRECISION(7));
+        st = line ? GP_OK : gp_no_memory(log, path);
+        fprintf(f, "%s%s\n", line ? line : "", i + 1 < t->n ? "," : "");
+        free(line);
+    }
+    fputs("]}\n", f);
+    if (fclose(f) != 0 && !st)
+        st = gp_no_memory(log, path);
+    if (!st)
+        st = gp_file_save(log, path, text, size);
+    free(text);
+    return st;
+}
+
+void gp_tracks_free(struct gp_tracks *t)
+{
+    for (int i = 0; i < t->n; i++)
+        gp_free(t->track[i].at);
+    gp_free(t->track);
+    *t = (struct gp_tracks) {0};
+}
