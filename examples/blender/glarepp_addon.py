@@ -138,6 +138,9 @@ def program():
 
 def save(scene, path):
     """Writes the render with all its passes."""
+    if scene.render.use_multiview:
+        raise Problem("glarepp: a render of several views is not read; turn Stereoscopy "
+                      "off")
     settings = scene.render.image_settings
     names = "file_format", "color_mode", "color_depth", "exr_codec"
     before = [getattr(settings, name) for name in names]
@@ -187,6 +190,9 @@ def make(scene, view):
                   scene.glarepp.output)
     if path.startswith("//") and not bpy.data.filepath:
         path = os.path.join(bpy.app.tempdir, path[2:])
+    if not path.lower().endswith(".exr"):
+        raise Problem(f"glarepp: the output must be an EXR (found \"{path}\"); name it "
+                      ".exr")
     run, final = program(), bpy.path.abspath(path)
     with tempfile.TemporaryDirectory(dir=bpy.app.tempdir) as folder:
         save(scene, os.path.join(folder, "frame.exr"))

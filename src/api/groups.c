@@ -353,7 +353,7 @@ gp_status gp_api_compose_group(struct glarepp_frame *f, struct gp_api_group *g,
         f->facts.engines_cpu_ms += gp_cpu_ms() - cpu;
     }
     if (!st && f->plan->tints)
-        gp_layer_tint(&f->plan->tint, &g->image);
+        gp_layer_tint(&f->plan->tint, false, &g->image);
     if (!st)
         st = gp_compose(&f->log, &p, &g->sources, &g->image);
     gp_planes_free(&g->image.layer);

@@ -499,22 +499,31 @@ static gp_status verify(struct glarepp_frame *f)
  * may be added to it. */
 static gp_status end_layer(struct glarepp_frame *f)
 {
+    const size_t n = gp_image_pixels(&f->image);
     gp_status st = GP_OK;
     if (f->p.parts_of_groups && f->p.parts && f->groups && f->work &&
         !f->group[0].part.c[0] && f->ran & BIT(SENSE))
         GP_TRY(gp_api_part_groups(f));
     if (!f->plan->tints || f->tinted)
         return st;
+    if (f->p.parts)
+        GP_TRY(gp_api_dark_layer(&f->log, &f->image));
+    gp_layer_tint(&f->plan->tint, false, &f->image);
     for (int i = 0; i < GP_PARTS + f->groups && f->p.parts; i++) {
         struct gp_image part = f->image; // (its other planes are borrowed)
         if (i < GP_PARTS)
             GP_TRY(gp_api_part_find(
                 f, (enum glarepp_view)(GLAREPP_PART_VEIL + i)));
         part.layer = i < GP_PARTS ? f->part[i] : f->group[i - GP_PARTS].part;
-        if (part.layer.c[0])
-            gp_layer_tint(&f->plan->tint, &part);
+        if (!part.layer.c[0])
+            continue;
+        gp_layer_tint(&f->plan->tint, true, &part);
+        // where the sum was less than 0, all of it is black
+        for (size_t k = 0; k < 3 * n; k++) {
+            if (f->image.layer.c[k / n][k % n] == 0.0f)
+                part.layer.c[k / n][k % n] = 0.0f;
+        }
     }
-    gp_layer_tint(&f->plan->tint, &f->image);
     f->tinted = true;
     f->ran |= BIT(FLARE) | BIT(LENS);
 out:

@@ -295,6 +295,13 @@ static gp_status read_groups(const struct gp_log *log, struct gp_settings *s)
         if (g->kernel)
             GP_TRY(check_word(log, g->kernel));
         g->more = g->kernel ? number_kernel(s, g->kernel) : 0;
+        for (int k = 0; k < i; k++) {
+            if (strcmp(g->name, s->input.group[k].name) == 0)
+                GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                               "--light-group: a layer is "
+                               "there twice (found %s); name it once",
+                               g->name));
+        }
         for (int k = 0; k < GP_PART_NAMES && s->output.parts.n; k++) {
             if (strcmp(g->name, gp_part_names[k]) == 0)
                 GP_TRY(gp_fail(log, GP_ERR_USAGE,

@@ -100,7 +100,7 @@ const struct gp_option gp_options[] = {
         .usual = "Write an EXR: only the glare, to add in comp"),
     OPT(output.parts, .name = "parts", IN(OUTPUT), .arg = "FILE",
         .help = "Write the parts of --layer, which add up to it, as layers of "
-                "one EXR: veil is light that leaves its pixel, core what "
+                "one EXR, of floats without --type: veil is light that leaves its pixel, core what "
                 "stays, flare the elements of --flare, ghosts those of --lens; what a "
                 "--light-group spreads is in a layer of its name instead"),
     OPT(output.grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS",

@@ -573,18 +573,18 @@ static gp_status write_parts(const struct gp_run *r, struct gp_frame_state *fs,
     const char **names = NULL;
     struct gp_planes *part = NULL;
     const int n = GP_PART_NAMES + fs->groups;
+    struct gp_write_params own = *p;
+    own.type = p->type ? p->type : GP_OUT_FLOAT; // halfs would not add up
     gp_status st;
     GP_TRY(gp_alloc(fs->log, "parts", (size_t) n, sizeof *part, &part));
     GP_TRY(gp_alloc(fs->log, "parts", (size_t) n, sizeof *names, &names));
     for (int i = 0; i < n; i++) {
         const int group = i < GP_PART_NAMES ? 0 : i - GP_PART_NAMES + 1;
         names[i] = group ? r->s->input.group[group - 1].name : gp_part_names[i];
-        GP_TRY(look_at(fs,
-                       group ? GLAREPP_GLARE
-                             : (enum glarepp_view)(GLAREPP_PART_VEIL + i),
-                       group, &part[i], NULL));
+        const int view = group ? (int) GLAREPP_GLARE : GLAREPP_PART_VEIL + i;
+        GP_TRY(look_at(fs, (enum glarepp_view) view, group, &part[i], NULL));
     }
-    st = gp_write_parts(fs->log, p, name, &fs->file, names, part, n, stats);
+    st = gp_write_parts(fs->log, &own, name, &fs->file, names, part, n, stats);
 out:
     gp_free(names);
     gp_free(part);

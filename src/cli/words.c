@@ -9,6 +9,7 @@
 
 #include <jansson.h>
 #include <stdlib.h>
+#include <limits.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -86,10 +87,15 @@ static const char *path_in(const struct gp_option *o, const char *value)
     if (o->at == offsetof(struct gp_settings, input.light_groups)) {
         const char *const own = strstr(value, "kernel=");
         const char *const within = own ? strstr(own, "file=") : NULL;
-        return !own                         ? NULL
-               : within                     ? within + 5
-               : gp_kernel_is_file(own + 7) ? own + 7
-                                            : NULL;
+        char kernel[PATH_MAX];
+        snprintf(kernel, sizeof kernel, "%s", own ? own + 7 : "");
+        char *const gain = strstr(kernel, ",gain=");
+        if (gain)
+            *gain = '\0';
+        return !own                        ? NULL
+               : within                    ? within + 5
+               : gp_kernel_is_file(kernel) ? own + 7
+                                           : NULL;
     }
     const char *const file = strstr(value, "file=");
     if (file && o->kind == GP_KIND_TEXTS && !gp_kernel_is_file(value))
@@ -359,7 +365,7 @@ gp_status gp_words_file(const struct gp_log *log, const struct gp_option *o,
         *value = whole;
         return GP_OK;
     }
-    return here || strstr(o->arg, "CHANNEL") ||
+    return here || strstr(o->arg, "CH") ||
                    gp_pattern_find(NULL, path, &pattern) || pattern.len ||
                    pattern.views
                ? GP_OK

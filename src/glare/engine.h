@@ -169,8 +169,10 @@ struct gp_tint_params {
 
 /* Colours f->layer, which may be empty:
  *   layer = tint (Y + saturation (layer - Y))
- * Y its luminance by the frame's weights; each sample within [0, FLT_MAX]. */
-void gp_layer_tint(const struct gp_tint_params *p, struct gp_image *f);
+ * Y its luminance by the frame's weights; each sample within [0, FLT_MAX], of a
+ * part of a layer, which others add up to it, within [-FLT_MAX, FLT_MAX]. */
+void gp_layer_tint(const struct gp_tint_params *p, bool part,
+                   struct gp_image *f);
 
 struct gp_compose_params {
     float gain;  // >= 0

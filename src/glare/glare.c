@@ -439,6 +439,7 @@ out:
 struct tinting {
     const struct gp_tint_params *p;
     struct gp_image *f;
+    double low;
 };
 
 /* In double, where no luminance overflows, and white stays as it is. */
@@ -458,14 +459,15 @@ GP_CLONES static void tint_row(void *ctx, int y, int thread)
         for (int c = 0; c < 3; c++)
             v[c][x] = (float) gp_mind(
                 gp_maxd((double) m->p->tint[c] * (grey + s * (double) v[c][x]),
-                        0.0),
+                        m->low),
                 (double) FLT_MAX);
     }
 }
 
-void gp_layer_tint(const struct gp_tint_params *p, struct gp_image *f)
+void gp_layer_tint(const struct gp_tint_params *p, bool part,
+                   struct gp_image *f)
 {
-    struct tinting m = {p, f};
+    struct tinting m = {p, f, part ? -(double) FLT_MAX : 0.0};
     if (f->layer.c[0])
         gp_parallel_do(gp_image_h(f), tint_row, &m);
 }

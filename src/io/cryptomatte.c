@@ -265,6 +265,18 @@ static gp_status find_types(struct reading *c)
 
 // -- names ----------------------------------------------------------------------
 
+/* Writes a name as the option takes it. */
+static void write_name(const char *name, char *out, size_t size)
+{
+    size_t n = 0;
+    for (; *name && n + 3 < size; name++) {
+        if (strchr("\\,*?", *name))
+            out[n++] = '\\';
+        out[n++] = *name;
+    }
+    out[n] = '\0';
+}
+
 /* Fails for a name that is not there, with the nearest three. */
 static gp_status fail_nearest(const struct reading *c, const char *name)
 {
@@ -291,7 +303,10 @@ static gp_status fail_nearest(const struct reading *c, const char *name)
         if (!search.name)
             break;
         near[k] = search.name;
-        gp_channel_list_add(list, NULL, near[k]);
+        char word[2 * GP_CHANNEL_NAME + 3] = "\"";
+        write_name(near[k], word + 1, sizeof word - 2);
+        strcat(word, "\"");
+        gp_channel_list_add(list, NULL, word);
     }
     return gp_fail(c->log, GP_ERR_DATA,
                    "%s: its Cryptomatte has no %s (nearest are %s); give one "

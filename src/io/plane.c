@@ -523,7 +523,8 @@ gp_status gp_read_mask(const struct gp_log *log, const struct gp_read_params *p,
                        const struct gp_frame *f, const char *name,
                        const char *path, struct gp_plane *out)
 {
-    const bool file = access(path, F_OK) == 0;
+    // a pattern is one of files
+    const bool file = strcmp(path, name) != 0 || access(path, F_OK) == 0;
     const gp_status st =
         find_beside(file ? NULL : log, p, f, name, MASK, NULL, out);
     return st && file ? read_file(log, p, path, NULL, MASK, out) : st;

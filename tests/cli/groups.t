@@ -19,6 +19,7 @@ need_python
 #   same A B L..   layers L of A and B have the same bits
 #   apart LAYER PARTS KEY RIM LIGHT  layers key and rim of PARTS are KEY and RIM,
 #                  all layers together are LAYER; "a sun" is in veil and core
+#   total LAYER PARTS  all layers of PARTS together are LAYER
 #   energy IN OUT  sums of colour and layers, --mix scatter: the light inside
 #                  the frame did not become more
 cat >light.py <<'EOF'
@@ -143,6 +144,12 @@ def apart(layer, parts, key, rim, light):
         assert alone.any() and numpy.abs(own[n] - alone).max() <= 1e-6 * alone.max(), n
     rest = [numpy.linalg.norm(own[n]) / numpy.linalg.norm(whole) for n in ("veil", "core")]
     assert all((v > 1e-5) == (light == "a sun") for v in rest), rest
+
+def total(layer, parts):
+    p, whole = load(parts), colour(load(layer), "")
+    both = sum(colour(p, n) for n in {c.rsplit(".", 1)[0] for c in p})
+    error = numpy.linalg.norm(both - whole) / numpy.linalg.norm(whole)
+    assert error < 1e-6, error
 
 def energy(before, after, most):
     p, q = load(before), load(after)
@@ -340,6 +347,23 @@ done
 run --light-group veil --parts p.exr plain.exr
 is "$status $(cat err)" "2 glarepp: --parts: it has a layer veil of its own; give the light group another name" \
     'a group that is called like a part'
+for how in key:kernel=star,gain=2 key:gain=2,kernel=cie key:kernel=k.exr,gain=.5; do
+    "$glarepp" -q --light-group $how -o a.png plain.exr
+    run -q --settings a.png -o b.png plain.exr
+    quiet_success "--settings of --light-group $how"
+    same a.png b.png "--settings of --light-group $how: the same picture"
+done
+run --light-group key --light-group key:gain=2 --layer l.exr plain.exr
+is "$status $(cat err)" '2 glarepp: --light-group: a layer is there twice (found key); name it once' \
+    'a group twice'
+# shellcheck disable=SC2086
+run -q -e fft $own --layer-saturation 3 --parts p.exr --type float --layer l.exr plain.exr
+ok 'parts add up where a saturation leaves less than nothing' ask total l.exr p.exr
+# shellcheck disable=SC2086
+run -q -e fft $own --parts p.exr plain.exr
+# shellcheck disable=SC2086
+run -q -e fft $own --type float --layer l.exr plain.exr
+ok '... and without --type, as floats' ask total l.exr p.exr
 
 # shellcheck disable=SC2086
 {
@@ -406,7 +430,6 @@ frame ids.exr 'channels=R,G,B,CryptoObject00.R:float,CryptoObject00.G:float,Cryp
 wrong 2 ids.exr 'ids as a group' --light-group CryptoObject00 ids.exr
 "$glarepp" -q -o in.png plain.exr
 wrong 2 in.png 'groups of a PNG' --light-group key in.png
-wrong 2 plain.exr 'a group twice' --light-group key --light-group key plain.exr
 cp ids.exr seq/f.4.exr
 rm -f seq/h.*
 run $both --skip-bad-frames --hdr 'seq/h.#.exr' 'seq/f.#.exr'

@@ -4,6 +4,7 @@
 # against frames of known coverage and sums in plain Python (mask.py), at 1e-6.
 . "$(dirname "$0")/lib.sh"
 need_python
+real=$glarepp
 no_provenance
 answers "$cli/mask.py"
 
@@ -27,6 +28,12 @@ ok 'a channel: each pixel times it, clamped to 0 to 1' ask sensors s.exr in.exr 
 is "$(field r.json 'o["source_mask"]')" key.matte 'the report names it'
 masks '!key.matte' in.exr
 ok '! inverts it' ask sensors s.exr in.exr not channel key.matte
+ask make m.exr matte=A
+for word in key.matte '!key.matte' m.exr '!m.exr' 'crypto:lamp*,wall'; do
+    "$real" -q -t 0 --source-mask "$word" -o a.png in.exr
+    "$real" -q --settings a.png -o b.png in.exr
+    same a.png b.png "--settings of --source-mask $word: the same picture"
+done
 for matte in A W R,G,B R,G,B,A; do
     rm -f m.exr
     ask make m.exr matte=$matte
@@ -187,7 +194,7 @@ like "$(cat err)" '*no channel nix.exr (it has B, CryptoMaterial00.A*nor is ther
 ask make m.exr matte=X,Y
 wrong 2 m.exr 'a file without a mask' m.exr in.exr
 wrong 4 in.exr 'a name that is not there' crypto:lamb in.exr
-like "$(cat err)" '*no lamb (nearest are lamp, lamp_b, a?b); give*' \
+like "$(cat err)" '*no lamb (nearest are "lamp", "lamp_b", "a*b"); give*' \
     'a name that is not there: the nearest three'
 wrong 4 in.exr 'no name like that' 'crypto:q*' in.exr
 wrong 2 in.exr 'an empty name' crypto:lamp,,wall in.exr

@@ -184,7 +184,7 @@ static void tints_are_their_formula(void **state)
             s.f.layer.c[c][6] = c ? 1.0f : -1.0f;
             memcpy(was[c], s.f.layer.c[c], sizeof was[c]);
         }
-        gp_layer_tint(p, &s.f);
+        gp_layer_tint(p, false, &s.f);
         for (int i = 0; i < 3 * N; i++) {
             const int c = i / N, k = i % N;
             double y = 0.0;
@@ -201,7 +201,7 @@ static void tints_are_their_formula(void **state)
                 assert_true(s.f.layer.c[c][k] == was[c][k]);
         }
         gp_planes_free(&s.f.layer);
-        gp_layer_tint(p, &s.f);
+        gp_layer_tint(p, false, &s.f);
         assert_null(s.f.layer.c[0]);
         scene_free(&s);
     }
