@@ -668,6 +668,11 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     GP_TRY(check_grow(log, s));
     GP_TRY(check_groups(log, s));
     GP_TRY(check_lights(log, warn, sun));
+    if (sun->p.found && s->output.write.no_clobber)
+        gp_say(
+            warn, GP_LEVEL_WARN,
+            "--lights auto: with --no-clobber the first "
+            "frame that is made names them; give the file of --write-lights");
     GP_TRY(set_mix(log, s));
     // Ando et al. spread whole pixels and add the layer
     const bool bench = s->command == GP_COMMAND_BENCH;

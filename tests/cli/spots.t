@@ -102,6 +102,9 @@ printf '{"lights": [{"name": "a", "found": [[1, 30, 52], [12, 195, 52]]}]}' >a.j
 run --lights a.json --report a.rep t.9.pfm
 is "$(field a.rep '[(l["name"], round(l["x"])) for l in o["lights"]]')" "[('a', 150)]" \
     'between frames of the file a light is where it goes'
+run --lights auto --no-clobber --layer 'n.#.exr' 't.#.pfm'
+is "$(cat err)" 'glarepp: warning: --lights auto: with --no-clobber the first frame that is made names them; give the file of --write-lights' \
+    'names that depend on what is made: one line'
 sed 's/"color": \[1, 1, 1\]/"color": [0.5, 0.25, 0]/' t.1.json >dim.json
 run --lights dim.json --report dim.rep t.7.pfm
 is "$(field dim.rep '[round(v, 3) for v in o["lights"][0]["flux"]]')" \
