@@ -101,6 +101,12 @@ struct gp_input_settings {
     bool skip_bad_frames;
 };
 
+/* Reads the words of --light-group into input.group and group_kernels. Errors:
+ * GP_ERR_USAGE; GP_ERR_BUG out of memory. */
+struct gp_settings;
+GP_MUST_CHECK gp_status gp_light_groups_read(const struct gp_log *log,
+                                             struct gp_settings *s);
+
 /* The layers of --parts, in the order of views from GLAREPP_PART_VEIL on. */
 enum { GP_PART_NAMES = 4 };
 extern const char *const gp_part_names[GP_PART_NAMES];
