@@ -602,6 +602,11 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     // what is added to a picture is of its own lights; what is moved is missed
     if (!gp_option_given(s, "edges") && s->light.layer.mix == GLAREPP_ADD)
         s->light.layer.edges = GLAREPP_BLACK;
+    if (s->light.mask && !*gp_mask_word_of(s->light.mask).word)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "--source-mask: no name (found \"%s\"); "
+                       "give a channel, a file or crypto:NAMES",
+                       s->light.mask));
     GP_TRY(check_kernels(log, s));
     GP_TRY(gp_light_groups_read(log, s));
     for (int i = 0; i < s->input.group_kernels.n; i++)

@@ -218,6 +218,11 @@ static void say_kernel(FILE *w, const struct gp_frame_report *f)
         fprintf(w, " on %s", g->gl);
 }
 
+static bool has_level(double gain)
+{
+    return gain > 0.0 && gain != 1.0;
+}
+
 static void say_lights(FILE *w, const struct gp_frame_report *f)
 {
     enum { MOST = 8 };
@@ -245,10 +250,14 @@ static void say_ghosts(FILE *w, const struct gp_frame_report *f)
     const struct glarepp_lens_facts *const lens = &f->lib.lens;
     if (flare->runs)
         fprintf(w, "flare of bright pixels, %d elements", flare->elements);
+    if (has_level(flare->gain))
+        fprintf(w, "%sflare times %.3g", flare->runs ? ", " : "", flare->gain);
     if (lens->name)
-        fprintf(w, "%slens %s: %d ghosts of %d light%s", flare->runs ? ", " : "",
-                lens->name, lens->drawn, lens->lights,
-                lens->lights == 1 ? "" : "s");
+        fprintf(w, "%slens %s: %d ghosts of %d light%s",
+                flare->runs || has_level(flare->gain) ? ", " : "", lens->name,
+                lens->drawn, lens->lights, lens->lights == 1 ? "" : "s");
+    if (has_level(lens->gain))
+        fprintf(w, ", times %.3g", lens->gain);
 }
 
 static void say_outputs(FILE *w, const struct gp_frame_report *f)
@@ -280,7 +289,8 @@ void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f)
         {f->cost.ms[GP_TIME_SENSORS] >= 0.0, say_light},
         {f->lib.kernel.w > 0, say_kernel},
         {f->lib.lights > 0, say_lights},
-        {f->lib.flare.runs || f->lib.lens.name, say_ghosts},
+        {f->lib.flare.runs || has_level(f->lib.flare.gain) || f->lib.lens.name,
+         say_ghosts},
         {f->write.n > 0, say_outputs},
     };
     for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {

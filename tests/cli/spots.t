@@ -102,6 +102,10 @@ printf '{"lights": [{"name": "a", "found": [[1, 30, 52], [12, 195, 52]]}]}' >a.j
 run --lights a.json --report a.rep t.9.pfm
 is "$(field a.rep '[(l["name"], round(l["x"])) for l in o["lights"]]')" "[('a', 150)]" \
     'between frames of the file a light is where it goes'
+run -v --lens tessar --lens-gain 3 --flare preset:zoom --flare-gain auto -o v.png t.7.pfm
+like "$(cat err)" '*flare times [0-9]*, lens Tessar*, times 3*' '-v says the levels'
+run --source-mask '!' -o v.png t.7.pfm
+fails_with 2 '--source-mask: no name (found "!")' 'an inverted nothing'
 run --lights auto --no-clobber --layer 'n.#.exr' 't.#.pfm'
 is "$(cat err)" 'glarepp: warning: --lights auto: with --no-clobber the first frame that is made names them; give the file of --write-lights' \
     'names that depend on what is made: one line'
