@@ -262,8 +262,8 @@ const struct gp_option gp_options[] = {
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE|auto[:N]",
         .help = "Read suns and lamps from a JSON file; auto takes the N "
                 "brightest spots of the frame (32 without N), up to a quarter "
-                "of its height wide, for --flare and --lens. One fades from "
-                "the threshold to 1.5 times it. Names are those of the first "
+                "of its height wide, for --flare and --lens; one fades from "
+                "the threshold to 1.5 times it; names are those of the first "
                 "frame; others are new1, new2"),
     OPT(sun.write_lights, .name = "write-lights", IN(SUN), .arg = "FILE",
         .once = true, .aside = true, .help = "Write the lights that auto finds "
