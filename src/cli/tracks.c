@@ -11,18 +11,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { LOST = 24 }; // frames without a light that end its track
+
 /* Returns how far a light is from where a track leads; INFINITY: too far. */
 static double apart(const struct gp_track *t, const struct glarepp_share *l,
                     int frame, int height)
 {
     static const double NEAR = 0.02, FAR_AWAY = 0.15; // of the height
-    static const double LOST = 24.0;                  // frames
     const double *const last = t->at[t->n - 1];
     const double *const before = t->at[t->n > 1 ? t->n - 2 : 0];
     const double since = frame - last[0], step = last[0] - before[0];
     const double more = step > 0.0 ? since / step : 0.0;
+    if (since > LOST || !(since > 0.0))
+        return INFINITY;
     const double way = gp_hypot(l->x - last[1] - more * (last[1] - before[1]),
                                 l->y - last[2] - more * (last[2] - before[2]));
+    if (way > FAR_AWAY * height)
+        return INFINITY;
     const float most[2] = {fmaxf(t->flux[0], fmaxf(t->flux[1], t->flux[2])),
                            fmaxf(l->flux[0], fmaxf(l->flux[1], l->flux[2]))};
     double colour = 0.0; // octaves between those of equal brightness
@@ -31,9 +36,7 @@ static double apart(const struct gp_track *t, const struct glarepp_share *l,
             gp_hypot(colour, gp_log((double) (l->flux[c] / most[1] + 0.01f) /
                                     (double) (t->flux[c] / most[0] + 0.01f)) /
                                  M_LN2);
-    return way <= FAR_AWAY * height && since <= LOST
-               ? gp_hypot(way / (NEAR * height), 2.0 * colour)
-               : INFINITY;
+    return gp_hypot(way / (NEAR * height), 2.0 * colour);
 }
 
 static gp_status add_place(const struct gp_log *log, struct gp_track *t,
@@ -53,37 +56,59 @@ static gp_status add_place(const struct gp_log *log, struct gp_track *t,
     return GP_OK;
 }
 
+struct pair {
+    double apart;
+    int light, track;
+};
+
+static int by_distance(const void *a, const void *b)
+{
+    const struct pair *const x = a, *const y = b;
+    return x->apart != y->apart   ? (x->apart > y->apart ? 1 : -1)
+           : x->light != y->light ? x->light - y->light
+                                  : x->track - y->track;
+}
+
+/* Lists lights and tracks that may be one, to `out` if there is one. Returns how
+ * many. */
+static size_t list_pairs(const struct gp_tracks *t,
+                         const struct glarepp_facts *f, int frame, int height,
+                         struct pair *out)
+{
+    size_t n = 0;
+    for (int k = 0; k < t->n; k++) {
+        for (int i = 0; i < f->lights; i++) {
+            const double d =
+                f->light[i].found
+                    ? apart(&t->track[k], &f->light[i], frame, height)
+                    : INFINITY;
+            if (out && d < INFINITY)
+                out[n] = (struct pair) {d, i, k};
+            n += d < INFINITY;
+        }
+    }
+    return n;
+}
+
 gp_status gp_tracks_add(const struct gp_log *log, struct gp_tracks *t,
                         const struct glarepp_facts *f, int frame, int height)
 {
-    const int before = t->n;
-    bool *added;
+    const size_t pairs = list_pairs(t, f, frame, height, NULL);
+    struct pair *pair = NULL;
+    bool *added = NULL;
     void *tracks = t->track;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) f->lights + 1, sizeof *added,
                          &added));
-    // the nearest pair first, until none is near
-    for (;;) {
-        struct gp_track *track = NULL;
-        double least = INFINITY;
-        int light = 0;
-        for (int i = 0; i < f->lights; i++) {
-            for (int k = 0; k < before && f->light[i].found && !added[i]; k++) {
-                struct gp_track *const own = &t->track[k];
-                const double d = own->at[own->n - 1][0] < frame
-                                     ? apart(own, &f->light[i], frame, height)
-                                     : INFINITY;
-                if (d < least) {
-                    least = d;
-                    track = own;
-                    light = i;
-                }
-            }
-        }
-        if (!track)
-            break;
-        added[light] = true;
-        GP_TRY(add_place(log, track, &f->light[light], frame));
+    GP_TRY(gp_alloc(log, "lights", pairs + 1, sizeof *pair, &pair));
+    (void) list_pairs(t, f, frame, height, pair);
+    qsort(pair, pairs, sizeof *pair, by_distance); // the nearest first
+    for (const struct pair *p = pair; p < pair + pairs; p++) {
+        struct gp_track *const own = &t->track[p->track];
+        if (added[p->light] || own->at[own->n - 1][0] >= frame)
+            continue;
+        added[p->light] = true;
+        GP_TRY(add_place(log, own, &f->light[p->light], frame));
     }
     for (int i = 0; i < f->lights; i++) {
         if (added[i] || !f->light[i].found)
@@ -96,6 +121,7 @@ gp_status gp_tracks_add(const struct gp_log *log, struct gp_tracks *t,
     }
 out:
     gp_free(added);
+    gp_free(pair);
     return st;
 }
 

@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+// 32 lights in 10,000 frames; 5000 cameras and more, a number a line
+enum { MOST_BYTES = 8 << 20 };
 static const double MOST_FLUX = 1e12, MOST_COLOUR = 1e6;
 static const double MOST_RADIUS = 1e6; // pixels
 static const double MOST_PIXEL = 1e9, MOST_WORLD = 1e15, MOST_DEPTH = 1e30;
@@ -171,7 +173,7 @@ gp_status gp_lights_read(const struct gp_log *log, const char *path,
     json_t *root = NULL, *array, *item;
     struct glarepp_light *spec = NULL;
     struct gp_json_place place = {.log = log, .path = path, .what = "light"};
-    GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
+    GP_TRY(gp_json_read(log, path, MOST_BYTES, &root));
     if (json_is_object(root))
         GP_TRY(gp_json_keys(&place, root, whole));
     GP_TRY(gp_json_array(&place, root, "lights", GP_LIGHTS_MAX, &array));
@@ -269,8 +271,7 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
 
 // -- cameras -----------------------------------------------------------------
 
-/* 5000 frames and more as they are commonly written, a number a line. */
-enum { MOST_BYTES = 8 << 20, MOST_FRAMES = 1 << 20 };
+enum { MOST_FRAMES = 1 << 20 };
 
 static const double MOST_FRAME = 9007199254740992.0; // 2^53: exact in double
 static const double MOST_VALUE = 1e300;
