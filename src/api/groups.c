@@ -304,10 +304,12 @@ static void take_part(struct glarepp_frame *f, struct gp_api_group *g,
                       struct gp_planes *from)
 {
     const size_t n = gp_image_pixels(&f->image);
-    for (size_t i = 0; i < 3 * n && g->image.layer.c[0]; i++) {
-        const float own = g->how.gain * g->image.layer.c[i / n][i % n];
-        g->part.c[i / n][i % n] += own;
-        from->c[i / n][i % n] -= own;
+    for (int c = 0; c < 3 && g->image.layer.c[0]; c++) {
+        for (size_t i = 0; i < n; i++) {
+            const float own = g->how.gain * g->image.layer.c[c][i];
+            g->part.c[c][i] += own;
+            from->c[c][i] -= own;
+        }
     }
     gp_planes_free(&g->image.layer);
 }

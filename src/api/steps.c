@@ -519,9 +519,10 @@ static gp_status end_layer(struct glarepp_frame *f)
             continue;
         gp_layer_tint(&f->plan->tint, true, &part);
         // where the sum was less than 0, all of it is black
-        for (size_t k = 0; k < 3 * n; k++) {
-            if (f->image.layer.c[k / n][k % n] == 0.0f)
-                part.layer.c[k / n][k % n] = 0.0f;
+        for (int c = 0; c < 3; c++) {
+            for (size_t k = 0; k < n; k++)
+                if (f->image.layer.c[c][k] == 0.0f)
+                    part.layer.c[c][k] = 0.0f;
         }
     }
     f->tinted = true;

@@ -8,8 +8,8 @@
 #include "io/sequence.h"
 
 #include <jansson.h>
-#include <stdlib.h>
 #include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -449,9 +449,9 @@ gp_status gp_lights_find(const struct gp_log *log, const struct gp_sources *src,
         join_runs(&d);
         GP_TRY(list_blobs(log, &d));
         GP_TRY(measure_all(log, &d, part, light, n));
-        if (!d.wide)
+        *wide = *wide || d.wide;
+        if (!d.wide || level > FLT_MAX / 4.0f)
             break;
-        *wide = true;
         level = fmaxf(4.0f * level, FLT_MIN);
         GP_TRY(rise(log, &d, level));
     }

@@ -125,6 +125,7 @@ def save(name, w, h, pixel):
                            struct.pack("<%df" % len(px), *px))
 save("sky.pfm", 200, 120, lambda x, y: 5000 if (x - 90) ** 2 + (y - 40) ** 2 < 9
      else 9 if x < 20 > y else 3)
+save("huge.pfm", 200, 120, lambda x, y: 3.4028234e38 if 40 <= x < 120 else 0)
 save("flat.pfm", 200, 120, lambda x, y: 20 if 40 <= x < 120 else 0)
 for i in range(9): # a lamp of a pixel, between two
     save("p.%d.pfm" % i, 40, 40, lambda x, y: 0.1 + 4.5 *
@@ -133,6 +134,8 @@ END
 run --lights auto --report sky.rep sky.pfm
 is "$(field sky.rep '[(l["x"], l["y"], abs(l["flux"][0] / (25 * 4997) - 1) < .01) for l in o["lights"]]')" \
     '[(90.5, 40.5, True)]' 'a sun in a sky that is over the threshold, and no sky'
+run --lights auto --report huge.rep huge.pfm
+is "$status $(field huge.rep 'len(o["lights"])')" '0 0' 'one of the largest float: it ends'
 run --lights auto --flare preset:zoom --layer flat.exr flat.pfm
 like "$(cat err)" '*flat.pfm: no light is found: what is bright is wider than a quarter*; name a light*' \
     'a bright area that is no light: one line'
