@@ -27,6 +27,9 @@ fi
 echo "# glare stage, the first frame of a run against later ones"
 /usr/bin/python3 "$here/first.py" "$glarepp" "$frames"
 
+echo "# CPU of the sensors, with lights that are found"
+/usr/bin/python3 "$here/lights.py" "$glarepp" "$frames" "$runs"
+
 echo "# whole process, w2, float ZIP in, half ZIP out, against OpenEXR C++ + FFTW"
 for size in "1920 2304 1344" "3840 4096 2560"; do
     set -- $size
