@@ -257,3 +257,19 @@ double gp_camera_fov(const struct gp_camera *c)
     const double along = gp_v3_dot(b, v), up = gp_v3_length(gp_v3_cross(b, v));
     return (gp_atan((1.0 - along) / up) + gp_atan(along / up)) * (180.0 / M_PI);
 }
+
+struct gp_projection gp_camera_projection(const struct gp_camera *c,
+                                          struct gp_rect display)
+{
+    const struct gp_v3 v = gp_column(c->to_ndc, 3);
+    const struct gp_v3 a = gp_column(c->to_ndc, 0), b = gp_column(c->to_ndc, 1);
+    const double w = gp_rect_w(display), h = gp_rect_h(display);
+    // x of direction v + t u, u upright to v, is a * v + t a * u
+    return (struct gp_projection) {
+        .kind = GP_PERSPECTIVE,
+        .x0 = display.x0 + gp_v3_dot(a, v) * w,
+        .y0 = display.y0 + gp_v3_dot(b, v) * h,
+        .dx = 1.0 / (gp_v3_length(gp_v3_cross(a, v)) * w),
+        .dy = 1.0 / (gp_v3_length(gp_v3_cross(b, v)) * h),
+    };
+}

@@ -1,62 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Vectors and matrices of space, in double, and cameras, which project points
- * and directions of the world into the frame. */
+/* Matrices of space, in double, and cameras, which project points and
+ * directions of the world into the frame. */
 #ifndef GP_CORE_CAMERA_H
 #define GP_CORE_CAMERA_H
 
 #include "core/image.h"
+#include "core/projection.h"
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <math.h>
 #include <stdbool.h>
-
-struct gp_v3 {
-    double x, y, z;
-};
-
-static inline struct gp_v3 gp_v3_add(struct gp_v3 a, struct gp_v3 b)
-{
-    return (struct gp_v3){a.x + b.x, a.y + b.y, a.z + b.z};
-}
-
-static inline struct gp_v3 gp_v3_sub(struct gp_v3 a, struct gp_v3 b)
-{
-    return (struct gp_v3){a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-static inline struct gp_v3 gp_v3_scale(struct gp_v3 a, double s)
-{
-    return (struct gp_v3){a.x * s, a.y * s, a.z * s};
-}
-
-static inline double gp_v3_dot(struct gp_v3 a, struct gp_v3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static inline struct gp_v3 gp_v3_cross(struct gp_v3 a, struct gp_v3 b)
-{
-    return (struct gp_v3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
-                          a.x * b.y - a.y * b.x};
-}
-
-static inline double gp_v3_length(struct gp_v3 a)
-{
-    return sqrt(gp_v3_dot(a, a));
-}
-
-/* Returns a with length 1; one of length 0 stays. */
-static inline struct gp_v3 gp_v3_unit(struct gp_v3 a)
-{
-    const double length = gp_v3_length(a);
-    return length > 0.0 ? gp_v3_scale(a, 1.0 / length) : a;
-}
-
-/* Returns the volume that three vectors span, signed. */
-static inline double gp_v3_det(struct gp_v3 a, struct gp_v3 b, struct gp_v3 c)
-{
-    return gp_v3_dot(a, gp_v3_cross(b, c));
-}
 
 /* Returns the upper three of column c: the gradient of that coordinate. */
 static inline struct gp_v3 gp_column(const double m[16], int c)
@@ -137,6 +91,12 @@ struct gp_v3 gp_camera_ray(const struct gp_camera *c, struct gp_rect display,
  * those at which its cone reaches beside the camera. 0 when behind. */
 double gp_camera_disc_degrees(const struct gp_camera *c, struct gp_rect display,
                               const double dir[3], double radius);
+
+/* The PERSPECTIVE projection of a camera's pictures, with their lens shift and the
+ * aspect of their pixels. Where rows do not stand upright on columns, as no camera
+ * has it, by their lengths. */
+struct gp_projection gp_camera_projection(const struct gp_camera *c,
+                                          struct gp_rect display);
 
 /* The angle in degrees between the directions of the picture's upper and lower
  * edge, in the plane of the view axis and its upright. */

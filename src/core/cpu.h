@@ -12,14 +12,31 @@
 #define GP_SANITIZED 1 // ifuncs are resolved before their run time starts
 #endif
 
+#include <stdbool.h>
+
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&        \
     !defined(GP_SANITIZED) && !defined(GP_NO_CLONES)
 #define GP_CLONES __attribute__((target_clones("avx2", "default")))
 #define GP_CLONES_WIDE \
     __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+#define GP_WIDE __attribute__((target("arch=x86-64-v4")))
+/* Whether functions of GP_WIDE can run. */
+static inline bool gp_cpu_wide(void)
+{
+    return __builtin_cpu_supports("avx512f") &&
+           __builtin_cpu_supports("avx512vl") &&
+           __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512cd");
+}
 #else
 #define GP_CLONES
 #define GP_CLONES_WIDE
+#define GP_WIDE
+static inline bool gp_cpu_wide(void)
+{
+    return false;
+}
 #endif
 
 #endif
