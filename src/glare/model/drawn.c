@@ -100,13 +100,49 @@ static const struct gp_model_key moffat_keys[] = {
     {0},
 };
 
-static gp_status open_moffat(const struct gp_log *log,
-    const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
+static struct moffat moffat_of(const struct gp_recipe *r)
 {
     struct moffat m = {.beta = gp_recipe_value(r, "beta")};
     m.a =
         gp_recipe_value(r, "fwhm") / (2.0 * sqrt(gp_exp2(1.0 / m.beta) - 1.0));
     m.factor = (m.beta - 1.0) / (M_PI * m.a * m.a);
+    return m;
+}
+
+static double moffat_light(const struct gp_angular *a, double t)
+{
+    const struct moffat m = {a->v[0], a->v[1], a->v[2]};
+    double v[3];
+    moffat_profile(&m, t, v);
+    return v[0];
+}
+
+/* The same powers per steradian, 1 over the hemisphere. */
+static void moffat_in_plane(const void *ctx, double t, double out[3])
+{
+    moffat_profile(ctx, t, out);
+    out[0] *= gp_plane_factor(t);
+}
+
+static bool moffat_angular(const struct gp_recipe *r, const struct gp_field *f,
+                           struct gp_angular *out)
+{
+    const struct moffat m = moffat_of(r);
+    double sum[3];
+    (void) f;
+    gp_profile_integral(moffat_in_plane, &m, 1, 0.0, 90.0, sum);
+    *out = (struct gp_angular) {
+        .light = moffat_light,
+        .v = {m.a, m.beta, m.factor / sum[0]},
+    };
+    return true;
+}
+
+static gp_status open_moffat(const struct gp_log *log,
+                             const struct gp_recipe *r,
+                             const struct gp_field *f, struct gp_shape *out)
+{
+    const struct moffat m = moffat_of(r);
     gp_status st = gp_radial_shape(log, moffat_profile, &m, 1, 4.0 * m.a, f,
                                    out);
     if (!st)
@@ -115,8 +151,12 @@ static gp_status open_moffat(const struct gp_log *log,
 }
 
 const struct gp_model gp_model_moffat = {
-    .name = "moffat", .text = "a blur with wings, as air and film make it",
-    .source = "Moffat 1969, eq. 7", .keys = moffat_keys, .open = open_moffat,
+    .name = "moffat",
+    .text = "a blur with wings, as air and film make it",
+    .source = "Moffat 1969, eq. 7",
+    .keys = moffat_keys,
+    .angular = moffat_angular,
+    .open = open_moffat,
 };
 
 // -- halation -----------------------------------------------------------------

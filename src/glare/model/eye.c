@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Models of the eye: Spencer et al. 1995, and the CIE's of 1999 and 2002. */
+/* The eye of Spencer et al. 1995. */
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -119,9 +119,9 @@ static void sky_in_plane(const void *sky, double t, double out[3])
 }
 
 /* The shape of a profile of the sky: gp_radial_shape(). */
-static gp_status sky_shape(const struct gp_log *log, gp_profile p,
-    const void *ctx, int channels, double bends, const struct gp_field *f,
-    struct gp_shape *out)
+gp_status gp_sky_shape(const struct gp_log *log, gp_profile p, const void *ctx,
+                       int channels, double bends, const struct gp_field *f,
+                       struct gp_shape *out)
 {
     const struct sky sky = {p, ctx, channels};
     return gp_radial_shape(log, sky_in_plane, &sky, channels, bends, f, out);
@@ -195,6 +195,27 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
     s.factor = 1.0 / y;
     *out = s;
     return GP_OK;
+}
+
+static double spencer_light(const struct gp_angular *a, double t)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++)
+        sum += a->v[i] * gp_spencer_term(i, t, 0.0);
+    return sum;
+}
+
+static bool spencer_angular(const struct gp_recipe *r, const struct gp_field *f,
+                            struct gp_angular *out)
+{
+    struct spencer s;
+    if (gp_recipe_value(r, "needles") >= 1.0 || spencer_of(NULL, r, f, &s) ||
+        s.channels != 1)
+        return false;
+    *out = (struct gp_angular) {.light = spencer_light};
+    for (int i = 0; i < 3; i++)
+        out->v[i] = s.factor * s.weight[i];
+    return true;
 }
 
 // -- needles ------------------------------------------------------------------
@@ -544,9 +565,9 @@ static gp_status open_night(const struct gp_log *log,
     find_least(s, n);
     n->rx = (int) fmin(ceil(far / (f->degrees * f->aspect)), f->w - 1);
     n->ry = (int) fmin(ceil(far / f->degrees), f->h - 1);
-    GP_TRY(sky_shape(log, spencer_profile, &eye, 1, 0.0, f, &n->eye));
+    GP_TRY(gp_sky_shape(log, spencer_profile, &eye, 1, 0.0, f, &n->eye));
     if (s->channels == 3)
-        GP_TRY(sky_shape(log, spencer_profile, s, 3, HALO_END, f, &n->halo));
+        GP_TRY(gp_sky_shape(log, spencer_profile, s, 3, HALO_END, f, &n->halo));
     if (gp_recipe_value(r, "needles") >= 1.0)
         GP_TRY(make_needles(log, r, s, f, n->rx, n->ry, &n->needles));
     *out = (struct gp_shape) {
@@ -570,116 +591,19 @@ static gp_status open_spencer(const struct gp_log *log,
     if (!st)
         st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0
                  ? open_night(log, r, &s, f, out)
-                 : sky_shape(log, spencer_profile, &s, 1, 0.0, f, out);
+                 : gp_sky_shape(log, spencer_profile, &s, 1, 0.0, f, out);
     if (!st)
         out->smooth = 0.1 / (f->degrees * fmin(f->aspect, 1.0));
     return st;
 }
 
 const struct gp_model gp_model_spencer = {
-    .name = "spencer", .text = "the eye by day, at dusk or by night",
-    .source = "Spencer et al. 1995, eqs. 5 to 8", .keys = spencer_keys,
-    .pupil = spencer_pupil, .adapts = spencer_adapts, .open = open_spencer,
-};
-
-// -- CIE ----------------------------------------------------------------------
-
-/* The glare equations of the International Commission on Illumination, per
- * steradian, t in degrees, A years of age, p the eye's pigment (0 black, 0.5
- * brown, 1 light, 1.2 very light blue).
- *
- * `total`, CIE 135/1 (Vos and van den Berg 1999), 0 to 100 degrees, with the
- * fovea's peak:
- *   (1 - 0.08 (A/70)^4) (9.2e6 / (1 + (t/0.0046)^2)^1.5 +
- *                        1.5e5 / (1 + (t/0.045)^2)^1.5)
- *   + (1 + 1.6 (A/70)^4) ((400 / (1 + (t/0.1)^2) + 3e-8 t^2) +
- *        p (1300 / (1 + (t/0.1)^2)^1.5 + 0.8 / (1 + (t/0.1)^2)^0.5))
- *   + 2.5e-3 p
- *
- * `general`, CIE 146 (2002), 0.1 to 100 degrees; nearer than that it is kept
- * even, so that no edge shows:
- *   10 / t^3 + (5 / t^2 + 0.1 p / t) (1 + (A/62.5)^4) + 0.0025 p
- *
- * The total is divided by its integral over the hemisphere; the general one
- * is the scattered light only, and the rest of 1 stays in its pixel. */
-struct cie {
-    double age, pigment, factor;
-    bool general;
-};
-
-double gp_cie_general(double age, double p, double t)
-{
-    const double a = age / 62.5, more = 1.0 + a * a * a * a;
-    return 10.0 / (t * t * t) + (5.0 / (t * t) + 0.1 * p / t) * more +
-           0.0025 * p;
-}
-
-static double cie_total(double age, double p, double t)
-{
-    const double a = age / 70.0, a4 = a * a * a * a;
-    const double x = 1.0 + t * t / (0.0046 * 0.0046);
-    const double y = 1.0 + t * t / (0.045 * 0.045);
-    const double z = 1.0 + t * t / (0.1 * 0.1), root = sqrt(z);
-    return (1.0 - 0.08 * a4) * (9.2e6 / (x * sqrt(x)) + 1.5e5 / (y * sqrt(y))) +
-           (1.0 + 1.6 * a4) *
-               (400.0 / z + 3e-8 * t * t +
-                p * (1300.0 / (z * root) + 0.8 / root)) +
-           2.5e-3 * p;
-}
-
-static void cie_profile(const void *ctx, double t, double out[3])
-{
-    const struct cie *const e = ctx;
-    out[0] = e->factor * gp_plane_factor(t) *
-             (e->general ? gp_cie_general(e->age, e->pigment, fmax(t, 0.1))
-                         : cie_total(e->age, e->pigment, t));
-}
-
-enum { TOTAL, GENERAL };
-static const char *const equations[] = {"total", "general", NULL};
-
-static const struct gp_model_key cie_keys[] = {
-    GP_MODEL_SHARE(1.0),
-    {"equation", "total: CIE 135/1 with the fovea's peak; general: CIE 146, "
-     "even within 0.1 degree", TOTAL, TOTAL, GENERAL, equations},
-    {"age", "years", 35.0, 1.0, 100.0, NULL},
-    {"pigment", "0 black, 0.5 brown, 1 light, 1.2 light blue eyes", 0.5, 0.0,
-     1.2, NULL},
-    {0},
-};
-
-/* *light: the integral that the factor is to make 1. */
-static struct cie cie_of(const struct gp_recipe *r, double *light)
-{
-    struct cie e = {
-        .age = gp_recipe_value(r, "age"), .factor = 1.0,
-        .pigment = gp_recipe_value(r, "pigment"),
-        .general = (int) gp_recipe_value(r, "equation") == GENERAL,
-    };
-    double sum[3];
-    gp_profile_integral(cie_profile, &e, 1, 0.0, 90.0, sum);
-    if (!e.general)
-        e.factor = 1.0 / sum[0];
-    *light = sum[0];
-    return e;
-}
-
-static gp_status open_cie(const struct gp_log *log, const struct gp_recipe *r,
-                          const struct gp_field *f, struct gp_shape *out)
-{
-    double sum;
-    const struct cie e = cie_of(r, &sum);
-    gp_status st = sky_shape(log, cie_profile, &e, 1, 0.2, f, out);
-    if (st)
-        return st;
-    out->smooth = 0.2 / (f->degrees * fmin(f->aspect, 1.0));
-    if (e.general)
-        out->own[0] = 1.0 - sum;
-    return GP_OK;
-}
-
-const struct gp_model gp_model_cie = {
-    .name = "cie", .text = "the eye by age and pigment, as the CIE has it",
-    .source = "CIE 135/1 (1999) and CIE 146 (2002)", .keys = cie_keys,
-    .open = open_cie,
+    .name = "spencer",
+    .text = "the eye by day, at dusk or by night",
+    .source = "Spencer et al. 1995, eqs. 5 to 8",
+    .keys = spencer_keys,
+    .pupil = spencer_pupil,
+    .adapts = spencer_adapts,
+    .angular = spencer_angular,
+    .open = open_spencer,
 };

@@ -29,6 +29,7 @@
 #define GP_GLARE_MODEL_MODEL_H
 
 #include "core/image.h"
+#include "core/projection.h"
 #include "core/status.h"
 #include "glare/kernel.h"
 
@@ -59,6 +60,16 @@ struct gp_field;
 struct gp_recipe;
 struct gp_shape; // model_priv.h
 
+/* A model of the angle alone, the same in all channels and directions. */
+struct gp_angular {
+    /* Light per steradian t degrees from its source, 0 to 100, up to a factor. */
+    double (*light)(const struct gp_angular *a, double t);
+    double v[6];  // the model's own figures
+    double stays; // light that stays in its pixel: 0 to 1
+    double bends; // degrees within which light may bend on any scale, not only
+                  // on that of the angle
+};
+
 struct gp_model {
     const char *name, *text, *source; // one line; paper and equation
     const struct gp_model_key *keys;  // the first is `share`
@@ -68,6 +79,11 @@ struct gp_model {
      * NULL: it has no pupil, no adaptation. */
     double (*pupil)(const struct gp_recipe *r, const struct gp_field *f);
     bool (*adapts)(const struct gp_recipe *r);
+
+    /* Finds the recipe as a model of the angle alone; false: it is none. NULL: it
+     * never is. */
+    bool (*angular)(const struct gp_recipe *r, const struct gp_field *f,
+                    struct gp_angular *out);
 
     /* Evaluates what depends on recipe and field. The shape's luminance sums to
      * 1 over the hemisphere (over the plane for what has no angle).
@@ -151,6 +167,11 @@ struct gp_field {
     int frame;            // its number, for models that change in time
     double fps;           // frames a second, > 0
     double tolerance;     // of rel_l2; 0: as by default
+    // of another projection than PLANE, models of the angle alone go by true
+    // angles, in a frame of its own size, whose corner the places count from; others
+    // go by `degrees`, those of its middle
+    struct gp_projection projection;
+    int seen_w, seen_h;
 };
 
 #define GP_USUAL_FOV 30.0 // degrees, where nothing says another

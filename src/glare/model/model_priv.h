@@ -7,6 +7,7 @@
 #include "core/maths.h"
 #include "glare/fft/fft.h"
 #include "glare/model/model.h"
+#include "glare/curve.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -44,7 +45,8 @@ struct gp_shape {
 };
 enum { GP_SHAPE_STRIP = 256 };
 
-extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
+extern const struct gp_model gp_model_spencer;                     // eye.c
+extern const struct gp_model gp_model_cie;                         // cie.c
 extern const struct gp_model gp_model_aperture, gp_model_temporal; // aperture.c
 extern const struct gp_model gp_model_gaussian, gp_model_moffat,
     gp_model_halation, gp_model_circle, gp_model_ring,
@@ -85,17 +87,6 @@ static inline double gp_model_random(uint64_t seed, uint64_t i)
 }
 
 // -- quadrature.c --------------------------------------------------------------
-
-/* Gauss-Legendre nodes in (-0.5, 0.5), weights of sum 1; n from 1 to 16. */
-struct gp_gauss {
-    int n;
-    double node[16], weight[16];
-};
-const struct gp_gauss *gp_gauss_rule(int n); // made at first call, kept
-
-/* The same for the tent 1 - |x| on (-1, 1): light that is even over a pixel, in
- * an even pixel at its side. n from 1 to 10. */
-const struct gp_gauss *gp_tent_rule(int n);
 
 /* Light per square degree, t >= 0 degrees from its source. It may be steep at 0
  * and fall by any power. */
@@ -162,7 +153,13 @@ GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     const void *ctx, int channels, double bends, const struct gp_field *f,
     struct gp_shape *out);
 
-// -- eye.c: declared for tests -------------------------------------------------
+// -- eye.c ---------------------------------------------------------------------
+
+/* The shape of a profile of the sky: gp_radial_shape(). */
+GP_MUST_CHECK gp_status gp_sky_shape(const struct gp_log *log, gp_profile p,
+                                     const void *ctx, int channels,
+                                     double bends, const struct gp_field *f,
+                                     struct gp_shape *out);
 
 /* Spencer's f0 to f3 and the CIE's general equation, per steradian. */
 double gp_spencer_term(int i, double t, double nm);

@@ -2,6 +2,7 @@
 /* Shapes of profiles: integrals over pixels of light around a point. */
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "glare/curve.h"
 #include "glare/model/model_priv.h"
 
 #include <limits.h>
@@ -9,24 +10,14 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* By the square s of the distance, at 64 even steps an octave, with slopes: a
- * cubic between them keeps about 1e-8 of what powers give. */
-enum { STEPS_LOG2 = 6, STEPS = 1 << STEPS_LOG2 };
-
-struct table {
-    uint64_t first;  // bits of the least square / (2^52 / STEPS)
-    int n;           // steps
-    double *value;   // [n + 1][channels][2]: value, slope times the step
-};
-
 /* The profile p(t) of pixels away from the light; its own and those near it,
  * where p is steep, by rings. */
 struct radial_table {
     struct gp_field f;
     int channels;
     int bends;       // longer sides within which 4 nodes are the fewest
-    struct table profile;
-    struct table far;    // square pixels from FAR sides on: their means
+    struct gp_curve profile;
+    struct gp_curve far; // square pixels from FAR sides on: their means
     struct gp_deposit near;
 };
 
@@ -34,31 +25,6 @@ struct radial_table {
  *   p + side^2 / 12 laplace p,
  * whose next terms are under 1 / FAR^4 of powers of the distance: 6e-8. */
 enum { FAR = 64 };
-
-/* Adds weight times the value at the squared distance s; nothing past the
- * table's end. */
-static inline void add_table(const struct table *t, int channels, double s,
-                             double weight, double sum[3])
-{
-    const uint64_t bits = gp_bits_of_double(s);
-    const int64_t i = (int64_t) (bits >> (52 - STEPS_LOG2)) -
-                      (int64_t) t->first;
-    if (i < 0 || i >= t->n)
-        return;
-    // the mantissa's rest is the place between two steps
-    const uint64_t rest = bits << (12 + STEPS_LOG2) >> 12;
-    const double x = gp_double_with_bits(rest | 0x3ff0000000000000u) - 1.0;
-    const double y = 1.0 - x;
-    for (int c = 0; c < channels; c++) {
-        const double *const a =
-            t->value + 2 * ((size_t) i * (size_t) channels + (size_t) c);
-        const double *const b = a + 2 * channels;
-        // the slope of the step after an octave's last is by its own width
-        const double next = i % STEPS == STEPS - 1 ? 0.5 * b[1] : b[1];
-        sum[c] += weight * (y * y * ((1.0 + 2.0 * x) * a[0] + x * a[1]) +
-                            x * x * ((1.0 + 2.0 * y) * b[0] - y * next));
-    }
-}
 
 /* Adds the mean over the pixel (px, py), `far` longer sides from the light. */
 static inline void add_nodes(const struct radial_table *t, int far, int px,
@@ -76,8 +42,8 @@ static inline void add_nodes(const struct radial_table *t, int far, int px,
         const double v = b * (py + g->node[q]);
         for (int p = 0; p < g->n; p++) {
             const double u = a * (px + g->node[p]);
-            add_table(&t->profile, t->channels, u * u + v * v,
-                      a * b * g->weight[p] * g->weight[q], sum);
+            gp_curve_add(&t->profile, u * u + v * v,
+                         a * b * g->weight[p] * g->weight[q], sum);
         }
     }
 }
@@ -96,7 +62,7 @@ static void radial_row(const void *state, int x, int y, int n,
             gp_deposit_row(&t->near, px, py, 1, to);
         } else if (t->far.value && far >= FAR && far >= t->bends) {
             const double u = a * px, v = a * py;
-            add_table(&t->far, t->channels, u * u + v * v, a * a, sum);
+            gp_curve_add(&t->far, u * u + v * v, a * a, sum);
         } else {
             add_nodes(t, far, px, py, sum);
         }
@@ -112,24 +78,6 @@ static void free_radial(void *state)
     gp_free(t->profile.value);
     gp_free(t->far.value);
     gp_free(t);
-}
-
-/* Allocates entries for squares of distances from `least` to `most`. */
-static gp_status make_table(const struct gp_log *log, int channels,
-                            double least, double most, struct table *out)
-{
-    const uint64_t shift = 52 - STEPS_LOG2;
-    const uint64_t last = gp_bits_of_double(most * most) >> shift;
-    struct table t = {
-        .first = gp_bits_of_double(least * least) >> (shift + STEPS_LOG2)
-                                                         << STEPS_LOG2,
-    };
-    t.n = last > t.first ? (int) (last - t.first) : 0;
-    gp_status st = gp_alloc(log, "kernel", 2 * (size_t) channels,
-                            ((size_t) t.n + 1) * sizeof *t.value, &t.value);
-    if (!st)
-        *out = t;
-    return st;
 }
 
 // -- rings --------------------------------------------------------------------
@@ -231,16 +179,6 @@ static gp_status make_near(const struct gp_log *log, gp_profile p,
     return GP_OK;
 }
 
-/* Entry i of a table: the square of the distance, and the step to the next. */
-static double square_of(const struct table *t, int i, double *step)
-{
-    static const uint64_t one = 1ull << (52 - STEPS_LOG2);
-    const uint64_t bits = (t->first + (uint64_t) i) * one;
-    const double s = gp_double_with_bits(bits);
-    *step = gp_double_with_bits(bits + one) - s;
-    return s;
-}
-
 /* Fills entry i of the profile's table, and the far one's value. */
 static void fill_entry(struct radial_table *t, gp_profile p, const void *ctx,
                        int i)
@@ -249,7 +187,7 @@ static void fill_entry(struct radial_table *t, gp_profile p, const void *ctx,
     const double twelfth = t->f.degrees * t->f.degrees / 12.0;
     const int far = i - (int) (t->far.first - t->profile.first);
     double step, at[3], low[3], high[3];
-    const double s = square_of(&t->profile, i, &step);
+    const double s = gp_curve_square(&t->profile, i, &step);
     p(ctx, sqrt(s), at);
     p(ctx, sqrt(s * (1.0 - h)), low);
     p(ctx, sqrt(s * (1.0 + h)), high);
@@ -269,7 +207,7 @@ static void fill_entry(struct radial_table *t, gp_profile p, const void *ctx,
  * it by, which is little. */
 static void fill_far_slopes(struct radial_table *t)
 {
-    const struct table *const far = &t->far;
+    const struct gp_curve *const far = &t->far;
     const int channels = t->channels, first = (int) (far->first -
                                                      t->profile.first);
     for (int i = 0; i < channels * (far->n + 1); i++) {
@@ -278,11 +216,11 @@ static void fill_far_slopes(struct radial_table *t)
         double step, s[2], more[2];
         for (int k = 0; k < 2; k++) {
             const int of = ends[k] * channels + c;
-            s[k] = square_of(far, ends[k], &step);
+            s[k] = gp_curve_square(far, ends[k], &step);
             more[k] = far->value[2 * of] -
                       t->profile.value[2 * (first * channels + of)];
         }
-        square_of(far, at, &step);
+        gp_curve_square(far, at, &step);
         far->value[2 * i + 1] =
             t->profile.value[2 * (first * channels + i) + 1] +
             step * (more[1] - more[0]) / (s[1] - s[0]);
@@ -305,9 +243,9 @@ gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     t->bends = (int) fmin(bends / most + 1.0, INT_MAX / 2);
     st = make_near(log, p, ctx, t);
     if (!st)
-        st = make_table(log, channels, least, END, &t->profile);
+        st = gp_curve_make(log, channels, least, END, &t->profile);
     if (!st && f->aspect == 1.0)
-        st = make_table(log, channels, FAR * least, END, &t->far);
+        st = gp_curve_make(log, channels, FAR * least, END, &t->far);
     if (st) {
         free_radial(t);
         return st;
