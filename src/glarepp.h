@@ -518,6 +518,12 @@ struct glarepp_tone_params {
 
 // -- plans --------------------------------------------------------------------
 
+/* Where a frame's pixels look, for models by angle.
+ *   PLANE        degrees are proportional to pixels, and a kernel is the same
+ *                everywhere: of pictures of no camera
+ *   PERSPECTIVE  as a camera's: by its matrices, else by the angle of view */
+enum glarepp_projection { GLAREPP_PLANE, GLAREPP_PERSPECTIVE };
+
 /* NULL: no lights, no lens, no scene; the defaults of the others. */
 struct glarepp_plan_params {
     size_t size;
@@ -525,6 +531,7 @@ struct glarepp_plan_params {
                                          // builtin:eye
     double fov;            // vertical angle of the display window, to 180; 0:
                            // that of its camera, lens or scene, else 30
+    enum glarepp_projection projection; // of frames
     double rotate;         // of the kernel, degrees counter-clockwise
     const struct glarepp_sense_params *sense;
     const struct glarepp_layer_params *layer;
@@ -537,10 +544,10 @@ struct glarepp_plan_params {
     struct glarepp_plan *names; // its first frame names lights that are found;
                                 // must outlive the plan; NULL: this plan
 };
-#define GLAREPP_PLAN_PARAMS                                                   \
-    {                                                                         \
-        sizeof(struct glarepp_plan_params), NULL, 0.0, 0.0, NULL, NULL, NULL, \
-            NULL, NULL, NULL, NULL, 0, NULL                                   \
+#define GLAREPP_PLAN_PARAMS                                                \
+    {                                                                      \
+        sizeof(struct glarepp_plan_params), NULL, 0.0, GLAREPP_PLANE, 0.0, \
+            NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0, NULL              \
     }
 
 struct glarepp_plan;
@@ -743,6 +750,7 @@ struct glarepp_kernel_facts {
     double left_out, missed; // light outside of it; of which in the frame
     double faint[3];
     double fov, deg_per_pixel; // 0: not by angle
+    const char *projection;    // "plane", "perspective"
     const char *fov_from;    // "option", "camera", "lens", "default"
     double ms, cpu_ms;       // of making it; 0: it was kept
 };
@@ -751,6 +759,7 @@ struct glarepp_layer_facts {
     const char *engine;      // that ran; NULL: none
     char why[256];           // "": it was named
     double bound;            // of rel_l2, guaranteed before the run
+    double bound_angle;      // of which that is of true angles; 0: none
     double bound_pixel;      // of max_rel; 0: not asked for
     int fft_w, fft_h;        // transform; 0: none
     bool in_double;
@@ -767,6 +776,7 @@ struct glarepp_errors {
     double max_rel;    // largest |dY| / (Y of the picture + 1e-6 of its maximum)
     double max_abs;
     double flux_error; // of the light in all
+    long long pixels;  // that were summed: of many sources by true angles some
 };
 
 /* A light in a frame. */

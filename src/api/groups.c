@@ -328,7 +328,7 @@ gp_status gp_api_part_groups(struct glarepp_frame *f)
         GP_TRY(gp_planes_make(&f->log, "parts", n, &g->part));
         gp_planes_clear(&g->part, 0, n);
         if (made)
-            gp_api_part_core(f, &g->sources, &made->k, -g->how.gain);
+            GP_TRY(gp_api_part_core(f, &g->sources, &made->k, -g->how.gain));
         GP_TRY(draw_group(f, g));
         take_part(f, g, &f->part[0]);
         if (f->work->lights)

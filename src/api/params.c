@@ -71,6 +71,7 @@ static const struct range ranges[] = {
     TONE(key, FLT_MIN, 1), TONE(white, 0, FLT_MAX), TONE(contexts, 0, INT_MAX),
     LISTED(glarepp_tone_params, "tone", context, contexts),
     IN(glarepp_plan_params, "plan", fov, 0, 180),
+    IN(glarepp_plan_params, "plan", projection, 0, GLAREPP_PERSPECTIVE),
     IN(glarepp_plan_params, "plan", rotate, -1e6, 1e6),
     IN(glarepp_plan_params, "plan", mores, 0, 1024),
     LISTED(glarepp_plan_params, "plan", more, mores),

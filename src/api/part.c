@@ -6,29 +6,40 @@
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "glare/sky/sky.h"
 
 #include <math.h>
 #include <string.h>
 
 // -- veil and core ------------------------------------------------------------
 
-void gp_api_part_core(struct glarepp_frame *f, const struct gp_sources *s,
-                      const struct gp_kernel *k, float gain)
+gp_status gp_api_part_core(struct glarepp_frame *f, const struct gp_sources *s,
+                           const struct gp_kernel *k, float gain)
 {
+    gp_status st = GP_OK;
     const bool inside =
         k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
-    for (int c = 0; c < 3 && s->n && inside; c++) {
-        float *const veil = f->part[0].c[c], *const core = f->part[1].c[c];
-        const size_t middle = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
-        const float centre = gain * k->k.c[c][middle];
-        for (int y = 0; y < s->h; y++) {
-            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-                const size_t p = (size_t) y * (size_t) s->w + (size_t) s->x[i];
-                core[p] += s->rgb[c][i] * centre;
-                veil[p] -= s->rgb[c][i] * centre;
+    const size_t middle = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
+    // by true angles what stays differs from pixel to pixel
+    float *own = NULL;
+    if (k->sky)
+        GP_TRY(gp_alloc(&f->log, "parts", (size_t) s->w, sizeof *own, &own));
+    for (int y = 0; y < s->h && s->n && inside; y++) {
+        if (own && s->row[y] < s->row[y + 1])
+            gp_sky_own(k->sky, s->w, s->h, y, own);
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+            const size_t p = (size_t) y * (size_t) s->w + (size_t) s->x[i];
+            for (int c = 0; c < 3; c++) {
+                const float centre =
+                    gain * (k->k.c[c][middle] + (own ? own[s->x[i]] : 0.0f));
+                f->part[1].c[c][p] += s->rgb[c][i] * centre;
+                f->part[0].c[c][p] -= s->rgb[c][i] * centre;
             }
         }
     }
+out:
+    gp_free(own);
+    return st;
 }
 
 /* Keeps veil and core of a layer without flare and ghosts. */
@@ -45,13 +56,13 @@ static gp_status keep_glare(struct glarepp_frame *f)
     for (int c = 0; c < 3; c++)
         memcpy(f->part[0].c[c], f->image.layer.c[c], n * sizeof(float));
     gp_planes_clear(&f->part[1], 0, n);
-    gp_api_part_core(f, gp_api_light(f), gp_api_kernel(f), 1.0f);
-    for (int i = 0; f->more && i < f->plan->mores; i++) {
+    st = gp_api_part_core(f, gp_api_light(f), gp_api_kernel(f), 1.0f);
+    for (int i = 0; f->more && i < f->plan->mores && !st; i++) {
         if (f->more[i].kernel)
-            gp_api_part_core(f, &f->more[i].sources, &f->more[i].kernel->k,
-                             1.0f);
+            st = gp_api_part_core(f, &f->more[i].sources, &f->more[i].kernel->k,
+                                  1.0f);
     }
-    return GP_OK;
+    return st;
 }
 
 // -- flare and ghosts ---------------------------------------------------------

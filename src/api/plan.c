@@ -368,6 +368,7 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
     plan->log = gp->log;
     plan->fov = p.fov;
     plan->rotate = p.rotate;
+    plan->projection = p.projection;
     GP_TRY(gp_alloc_zero(&gp->log, "plan", MOST_TEXTS + 1, sizeof *plan->text,
                          &plan->text));
     GP_TRY(take_sense(plan, p.sense));

@@ -87,6 +87,7 @@ struct glarepp_plan {
     struct gp_log log;             // the context's
     // parameters
     double fov, rotate;            // degrees; fov 0: by the frame
+    enum glarepp_projection projection;
     struct glarepp_sense_params sense;
     struct gp_glare_params glare;
     struct gp_compose_params compose;
@@ -248,6 +249,19 @@ gp_api_taken(const struct glarepp_frame *f)
  * by none. */
 double gp_api_camera_fov(const struct glarepp_frame *f);
 
+/* Finds the projection of that camera; false: the angle of view is not a camera's. */
+bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);
+
+/* Finds the field of a frame, and the facts of its angle; and widens it, so that lights
+ * outside of the frame light all of it, and by its mirror image. */
+struct gp_field gp_api_field(struct glarepp_frame *f);
+void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field);
+
+/* The share of the light of a frame's sources that falls outside of it, by a kernel of
+ * true angles. */
+double gp_api_left_out(const struct glarepp_frame *f,
+                       const struct gp_kernel *k);
+
 /* Steps of light.c, lens.c and scene.c, for plans that ask for them. */
 gp_status gp_api_pose(struct glarepp_frame *f);
 gp_status gp_api_relight(struct glarepp_frame *f);
@@ -279,9 +293,10 @@ void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
                        struct gp_planes *kept);
 
 /* Moves what a kernel leaves in the pixels of sources, times `gain`, from the veil
- * to the core. */
-void gp_api_part_core(struct glarepp_frame *f, const struct gp_sources *s,
-                      const struct gp_kernel *k, float gain);
+ * to the core. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_api_part_core(struct glarepp_frame *f,
+                                         const struct gp_sources *s,
+                                         const struct gp_kernel *k, float gain);
 
 /* Makes a part that is looked at, where no step did: without flare and ghosts, or
  * dark. Errors: GP_ERR_BUG out of memory. */

@@ -129,48 +129,6 @@ static gp_status sense(struct glarepp_frame *f)
 
 // -- kernel -------------------------------------------------------------------
 
-/* The field of a frame: its angle of view is the plan's, else its camera's or
- * scene's, else its lens's, else the usual one. */
-static struct gp_field find_field(struct glarepp_frame *f)
-{
-    struct glarepp_kernel_facts *const facts = &f->facts.kernel;
-    const struct gp_kernel_request *const r = f->plan->kernel->request;
-    double fov = gp_api_camera_fov(f);
-    facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
-    if (!(fov > 0.0)) {
-        struct gp_api_stop stop = {.fov = GP_USUAL_FOV};
-        const bool known =
-            f->plan->lens_params.lens && gp_api_lens_stop(f, &stop);
-        facts->fov_from = known ? "lens" : "default";
-        fov = stop.fov;
-    }
-    struct gp_field field = gp_field_of(&f->image, fov);
-    field.rotate = f->plan->rotate;
-    field.tolerance = (double) f->plan->glare.tolerance;
-    field.fps = f->p.fps > 0.0 ? f->p.fps : field.fps;
-    field.frame = f->p.numbered ? f->p.number : 0;
-    const bool angled = r->recipes || r->degrees > 0.0;
-    facts->deg_per_pixel = angled ? field.degrees : 0.0;
-    facts->fov = fov;
-    return field;
-}
-
-/* Widens the field so that lights outside of the frame light all of it, up to
- * three frames: in steps, as a light that moves must not remake the kernel for
- * each frame. */
-static void reach_lights(const struct glarepp_frame *f, struct gp_field *field)
-{
-    enum { STEP = 128, MOST = 8192 }; // twice that is what all GL drivers draw
-    int offset[2], *const size[2] = {&field->w, &field->h};
-    gp_suns_offsets(&f->work->lights->suns, f->image.data, offset);
-    for (int i = 0; i < 2; i++) {
-        const int most = gp_min(3 * *size[i], MOST);
-        if (offset[i] >= *size[i])
-            *size[i] = gp_max(*size[i], gp_min(most, (offset[i] / STEP + 1) *
-                                                         STEP));
-    }
-}
-
 /* Gives openings the stop of the lens, but for keys that are written. */
 static void fit_lens(const struct gp_api_stop *stop, int recipes,
                      struct gp_recipe recipe[GP_RECIPES])
@@ -371,15 +329,8 @@ static gp_status make_kernel(struct glarepp_frame *f)
     gp_status st;
     if (!f->sources.n && !(lights && gp_suns_have_light(&lights->suns, false)))
         return GP_OK;
-    struct gp_field field = find_field(f);
-    if (lights)
-        reach_lights(f, &field);
-    if (f->plan->edges == GLAREPP_MIRROR) {
-        const int more = 2 * gp_mirror_reach(gp_image_w(&f->image),
-                                             gp_image_h(&f->image));
-        field.w += more;
-        field.h += more;
-    }
+    struct gp_field field = gp_api_field(f);
+    gp_api_field_reach(f, &field);
     facts->ms = facts->cpu_ms = 0.0;
     GP_TRY(take_kernel(f, 0, &field, &f->kernel, &use));
     for (int i = 0; f->more && i < f->plan->mores; i++) {
@@ -392,7 +343,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
     facts->w = k->w;
     facts->h = k->h;
     facts->grid = k->far ? k->far->split.step : 0;
-    facts->left_out = fmax(k->left_out, 0.0);
+    facts->left_out = fmax(k->sky ? gp_api_left_out(f, k) : k->left_out, 0.0);
     facts->missed = use.missed;
     memcpy(facts->faint, k->faint, sizeof facts->faint);
     for (int i = 0; i < r->recipes; i++) {
@@ -430,7 +381,7 @@ struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
     struct gp_field field = {.aspect = 1.0}; // where memory is full
     struct glarepp_rect all = {0};
     if (f->work || gp_api_lend(f->plan, &f->work) == GP_OK)
-        field = find_field(f);
+        field = gp_api_field(f);
     for (int i = 0; i <= f->plan->mores; i++) {
         const struct glarepp_rect one = reach_of(&f->plan->kernel[i], &field);
         all = (struct glarepp_rect) {

@@ -237,6 +237,15 @@ const struct gp_option_choice gp_normalizes[] = {
      "1; channels keep their ratios"},
     {"none", GP_NORMALIZE_NONE, "not at all: use the values of the file"}, {0},
 };
+const struct gp_option_choice gp_projections[] = {
+    {"plane", GLAREPP_PLANE,
+     "proportional to pixels, of a picture of no camera"},
+    {"perspective", GLAREPP_PERSPECTIVE,
+     "as a camera sees them, by its "
+     "matrices, else by --fov, else 30 degrees: a kernel is narrower and "
+     "stretched towards the border, as on film"},
+    {0},
+};
 const struct gp_option_choice gp_mixes[] = {
     {"scatter", GLAREPP_SCATTER, "add the layer and subtract its light from "
      "the sources, which conserves energy; a gain over 1 adds light"},

@@ -185,6 +185,10 @@ const struct gp_option gp_options[] = {
         .help = "Vertical angle of view of the display window, by which models "
                 "have their size; without it the frame's camera, else 30",
         .usual = "Set the vertical angle of view"),
+    CHOICE(plan.projection, .name = "projection", LENS(LIGHT), .arg = "HOW",
+        .choices = gp_projections, .help = "Take the angles of the frame's "
+        "pixels so; kernel images, and models with rays or edges, are the same "
+        "everywhere by either"),
     OPT(kernel.p, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),

@@ -10,6 +10,7 @@
 #include "glare/direct/direct.h"
 #include "glare/kernel.h"
 #include "glare/far_field/far_field.h"
+#include "glare/sky/sky.h"
 
 #include <float.h>
 #include <math.h>
@@ -379,6 +380,12 @@ GP_CLONES static void add_light(float *restrict layer,
     }
 }
 
+/* What samples leave out of a kernel, which comes from outside: none of the sky. */
+static double rest_of(const struct gp_kernel *k)
+{
+    return k->sky ? 0.0 : k->left_out;
+}
+
 GP_CLONES void gp_beyond_add_row(void *ctx, int i, int thread)
 {
     const struct gp_outside *const o = ctx;
@@ -393,8 +400,13 @@ GP_CLONES void gp_beyond_add_row(void *ctx, int i, int thread)
     const double *const high =
         box_row(&o->sums, from, kernel_from((long long) y + 1, k->cy, k->h));
     const double all = box_row(&o->sums, from, k->h)[k->w];
-    find_weights(k, low, high, k->left_out + (all - (high[k->w] - low[k->w])),
+    find_weights(k, low, high, rest_of(k) + (all - (high[k->w] - low[k->w])),
                  b->w, o->box + (size_t) thread * o->sums.pitch, weight);
+    if (k->sky) {
+        gp_sky_outside_row(k->sky, y, inside);
+        for (size_t x = 0; x < w; x++)
+            weight[x] += inside[x];
+    }
     if (o->far) {
         const float far = (float) k->far->sum[from];
         gp_far_row(o->far, from, y, thread, inside);
@@ -451,14 +463,44 @@ out:
     return st;
 }
 
+/* What the sky of a kernel has outside, for pixels that are not left out. */
+struct outer {
+    const struct gp_sky *sky;
+    const double *layer;
+    double *share;
+    int w;
+};
+
+static void find_outer(void *ctx, int y, int thread)
+{
+    const struct outer *const o = ctx;
+    const size_t row = (size_t) y * (size_t) o->w;
+    (void) thread;
+    for (int x = 0; x < o->w; x++)
+        o->share[row + (size_t) x] = isnan(o->layer[row + (size_t) x])
+                                         ? 0.0
+                                         : gp_sky_outside(o->sky, x, y);
+}
+
 /* The plain form of gp_beyond_add_row(). */
 gp_status gp_beyond_add_exact(const struct gp_log *log,
     const struct gp_beyond *b, const struct gp_kernel *k, double *layer)
 {
     struct box_sums sums;
+    const double rest = rest_of(k);
+    struct outer outer = {.sky = k->sky, .layer = layer};
     gp_status st = b ? sum_boxes(log, k, &sums) : GP_OK;
+    if (b && !st) {
+        outer.w = b->w;
+        st = gp_alloc_zero(log, "edges", (size_t) b->w * (size_t) b->h,
+                           sizeof *outer.share, &outer.share);
+        if (st)
+            gp_free(sums.at);
+    }
     if (!b || st)
         return st;
+    if (k->sky)
+        gp_parallel_do(b->h, find_outer, &outer);
     for (int i = 0; i < 3 * b->h; i++) {
         const int c = i / b->h, y = i % b->h, from = c % sums.channels;
         const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
@@ -475,9 +517,12 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
             const int x1 = kernel_from((long long) x + 1, k->cx, k->w);
             const double inside = high[x1] - high[x0] - low[x1] + low[x0];
             const float light = above[x] + down * (above[x + b->w] - above[x]);
-            out[x] += (k->left_out + all - inside) * (double) light;
+            const double sky =
+                outer.share[(size_t) y * (size_t) b->w + (size_t) x];
+            out[x] += (rest + all - inside + sky) * (double) light;
         }
     }
+    gp_free(outer.share);
     gp_free(sums.at);
     return GP_OK;
 }

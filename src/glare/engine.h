@@ -84,6 +84,7 @@ struct gp_glare_request {
                                     // adds; NULL: it has none
     const struct gp_beyond *beyond; // light from beyond the border, on which
                                     // the far field errs too; NULL: none
+    bool exact;   // true angles are summed as they are defined, not by levels
     double floor; // added to a bound of rel_l2: gp_error_floor_find()
 };
 

@@ -6,6 +6,7 @@
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "glare/model/model.h"
+#include "glare/sky/sky.h"
 
 #include <float.h>
 #include <math.h>
@@ -39,6 +40,7 @@ static gp_status halve_kernel(const struct gp_log *log,
     out->k = (struct gp_planes) {0};
     out->unturned = NULL;
     out->far = NULL;
+    out->sky = NULL; // the caller has it
     out->origin = NULL;
     out->lit = NULL;
     out->serial = 0;
@@ -232,7 +234,8 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
         if (gp_engines[named] == &gp_engine_direct)
             warn_of_hours(req, d->path);
     }
-    if (out->whole) {
+    req->exact |= out->whole;
+    if (out->whole && d->kernel->far) {
         GP_TRY(find_whole(log, g, d->kernel, d->src->w, d->src->h, &d->drawn));
         req->kernel = d->drawn;
         req->far = NULL;
@@ -241,6 +244,70 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
     req->stats->engine = gp_engines[out->engine]->name;
     req->stats->bound_pixel = out->pixel;
 out:
+    return st;
+}
+
+struct summed {
+    const double *from;
+    const struct gp_planes *to;
+    int w, h;
+};
+
+/* Adds row i % h of channel i / h of a sum in double. */
+static void add_summed(void *ctx, int i, int thread)
+{
+    const struct summed *const s = ctx;
+    const size_t w = (size_t) s->w;
+    float *const to = s->to->c[i / s->h] + (size_t) (i % s->h) * w;
+    const double *const from = s->from + (size_t) i * w;
+    (void) thread;
+    for (size_t x = 0; x < w; x++)
+        to[x] = (float) ((double) to[x] + from[x]);
+}
+
+/* Adds true angles to the core, as they are defined. */
+static gp_status add_exact(const struct gp_log *log, struct drawing *d)
+{
+    const struct gp_sources *const src = d->req.src;
+    const size_t n = 3 * (size_t) src->w * (size_t) src->h;
+    struct summed s = {.to = &d->f->layer, .w = src->w, .h = src->h};
+    double *sum;
+    gp_status st = gp_alloc_zero(log, "layer", n, sizeof *sum, &sum);
+    if (st)
+        return st;
+    gp_sky_exact(d->kernel->sky, src, sum);
+    s.from = sum;
+    gp_parallel_do(3 * src->h, add_summed, &s);
+    gp_free(sum);
+    return GP_OK;
+}
+
+/* Draws by true angles, with a kernel's core where that is more than what stays in
+ * its pixel. Light from beyond the border is added where levels are the last to write
+ * rows. */
+static gp_status draw_sky(const struct gp_log *log,
+                          const struct gp_choice *engine,
+                          struct gp_layer_rest *rest, struct drawing *d)
+{
+    const struct gp_glare_request *const req = &d->req;
+    const struct gp_kernel *const k = req->kernel;
+    const bool alone = k->w == 1 && k->h == 1 && k->cx == 0 && k->cy == 0;
+    float stays[3] = {0};
+    gp_status st = GP_OK;
+    for (int c = 0; c < 3 && alone; c++)
+        stays[c] = k->k.c[c][0];
+    if (!alone || req->exact)
+        st = gp_engines[engine->engine]->run(req, &d->g->state[engine->engine]);
+    if (!alone && !req->exact)
+        req->stats->bound_angle = gp_sky_error_of(d->kernel->sky)->relative;
+    if (st || req->exact)
+        return st ? st : add_exact(log, d);
+    req->stats->bound_angle = gp_sky_error_of(d->kernel->sky)->relative;
+    if (alone)
+        req->stats->engine = "levels";
+    rest->added = rest->add != NULL;
+    st = gp_sky_add(log, d->kernel->sky, req->src, !alone, stays, rest->add,
+                    rest->ctx, &d->f->layer);
     return st;
 }
 
@@ -266,10 +333,16 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
                                d->beyond, &d->f->layer, &g->outside));
         parts.beyond = d->times ? NULL : g->outside; // as bright as the frame
     }
-    if (parts.far || parts.beyond)
-        req->rest = &rest;
-    GP_TRY(gp_engines[engine->engine]->run(req, &g->state[engine->engine]));
-    if (req->rest && !rest.added)
+    const bool more = parts.far || parts.beyond;
+    if (!more)
+        rest.add = NULL;
+    if (d->kernel->sky) {
+        GP_TRY(draw_sky(log, engine, &rest, d));
+    } else {
+        req->rest = more ? &rest : NULL;
+        GP_TRY(gp_engines[engine->engine]->run(req, &g->state[engine->engine]));
+    }
+    if (more && !rest.added)
         gp_parallel_do(3 * h, add_rest, &parts);
     // an engine's bound is that of its own sum
     if (!(engine->bound > 0.0))
@@ -302,6 +375,12 @@ static gp_status run_picture(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: no engine of this name; use auto, direct, fft or "
                        "splat", p->engine);
+    if (kernel->sky && named >= 0 && gp_engines[named] == &gp_engine_splat)
+        return gp_fail_at(log, GP_ERR_USAGE, "plan.projection",
+                          "%s: engine splat "
+                          "draws one shape everywhere, and by true angles it "
+                          "differs from place to place",
+                          d.path);
     if (!f->layer.c[0])
         st = gp_planes_make(log, "layer", gp_image_pixels(f), &f->layer);
     if (st)
@@ -315,9 +394,15 @@ static gp_status run_picture(const struct gp_log *log,
     else if (kernel->far)
         GP_TRY(gp_far_open(log, kernel->far, &g->far));
     d.req = (struct gp_glare_request) {
-        .log = log, .params = &d.params, .src = src, .kernel = d.drawn,
-        .far = d.drawn->far ? g->far : NULL, .layer = &f->layer,
+        .log = log,
+        .params = &d.params,
+        .src = src,
+        .kernel = d.drawn,
+        .far = d.drawn->far ? g->far : NULL,
+        .layer = &f->layer,
         .stats = stats,
+        .exact =
+            kernel->sky && named >= 0 && gp_engines[named] == &gp_engine_direct,
     };
     GP_TRY(fit_range(log, &d));
     GP_TRY(gp_beyond_find(log, &p->edges, &d.beyond));
@@ -411,6 +496,7 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     struct gp_sources disc = {0};
     struct gp_kernel core = *k;
     core.far = NULL; // it has a sprite of its own
+    core.sky = NULL; // it has none, and is asked for on a plane
     p.engine = reach > 3 ? "fft" : "direct";
     GP_TRY(gp_sources_make(log, &frame, (size_t) side * (size_t) side, &disc));
     // the kernel's centre may lie outside it, and pixels of the disc with it

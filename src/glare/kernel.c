@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "glare/kernel_rows.h"
 #include "glare/far_field/far_field.h"
+#include "glare/sky/sky.h"
 
 #include <float.h>
 #include <math.h>
@@ -686,6 +687,7 @@ void gp_kernel_free(struct gp_kernel *k)
         gp_planes_free(&k->unturned->k);
     gp_free(k->unturned);
     gp_far_free(k->far);
+    gp_sky_free(&k->sky);
     gp_free(k->lit);
     gp_planes_free(&k->k);
     *k = (struct gp_kernel) {0};

@@ -41,6 +41,7 @@ struct gp_unturned {
 };
 
 struct gp_far_field; // glare/far_field/far_field.h
+struct gp_sky;       // glare/sky/sky.h
 
 /* The samples of a row of one channel that are not 0. */
 struct gp_lit_row {
@@ -59,6 +60,8 @@ struct gp_kernel {
                           // after cutting zero borders
     struct gp_planes k;   // w * h each
     struct gp_far_field *far; // NULL: `k` is the whole kernel; owned
+    struct gp_sky *sky;   // light by true angles, which is added; NULL: none;
+                          // owned. Sums and norms are without it
     double sum[3];        // of samples by channel, the far field's too
     double norm2[3];      // root of their sum of squares, and ...
     double norm1[3];      // ... sum of magnitudes; upper limits of both with a
@@ -112,6 +115,12 @@ GP_MUST_CHECK gp_status gp_kernel_of_planes(const struct gp_log *log,
     struct gp_kernel *out);
 
 void gp_kernel_free(struct gp_kernel *k);
+
+/* The kernel of the same recipes and field on a PLANE. Written only on GP_OK. Errors:
+ * those of gp_model_kernel(). */
+GP_MUST_CHECK gp_status gp_kernel_plane(const struct gp_log *log,
+                                        const struct gp_kernel *k,
+                                        struct gp_kernel *out);
 
 /* A kernel spread over a light's disc: the layer of a disc of flux 1. */
 struct gp_spread_kernel {

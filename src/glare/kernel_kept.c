@@ -96,7 +96,9 @@ static bool is_same(const struct gp_kernel_request *r,
                       sizeof recipe->value) == 0;
     if (!r->recipes)
         return same && (a->degrees == b->degrees || !(r->degrees > 0.0));
-    return same && a->w == b->w && a->h == b->h && a->degrees == b->degrees;
+    return same && a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
+           gp_projection_same(&a->projection, &b->projection) &&
+           a->seen_w == b->seen_w && a->seen_h == b->seen_h;
 }
 
 /* Makes a kernel, and keeps it as the last one. */

@@ -37,7 +37,10 @@ gp_status gp_plan_pixel(const struct gp_glare_request *req, struct gp_glare *g,
 {
     const struct gp_engine *const e = gp_engines[engine];
     struct gp_pixel_error error = {.relative = INFINITY};
-    gp_status st = e->pixel ? e->pixel(req, &g->state[engine], &error) : GP_OK;
+    // levels guarantee nothing of one pixel
+    gp_status st = e->pixel && (!req->kernel->sky || req->exact)
+                       ? e->pixel(req, &g->state[engine], &error)
+                       : GP_OK;
     *bound = st ? INFINITY
                 : gp_pixel_bound(floor, &error, (double) req->params->gain);
     return st;
@@ -102,6 +105,14 @@ static gp_status find_choice(const struct gp_glare_request *req,
     return st;
 }
 
+/* Tests whether true angles of all sources are summed, as they are defined, in less
+ * than a time: so many pairs of a source and a pixel. */
+static bool is_short(const struct gp_glare_request *req, double pairs)
+{
+    const struct gp_sources *const s = req->src;
+    return req->kernel->sky && (double) s->n * s->w * s->h <= pairs;
+}
+
 /* Takes `direct` of the kernel with its far field, sample by sample, where that
  * keeps the tolerances, or leaves less than half of what is over them. */
 static gp_status try_whole(const struct gp_glare_request *req,
@@ -116,6 +127,7 @@ static gp_status try_whole(const struct gp_glare_request *req,
     if ((2.0 * src->w - 1.0 + 2.0 * GP_TAPS_PAD) * (2.0 * src->h - 1.0) > MOST)
         return GP_OK;
     // the layer of the core is no more than that of the whole
+    whole.exact = true;
     whole.far = NULL;
     memset(own.far, 0, sizeof own.far);
     gp_status st = gp_error_floor_find(&whole, &whole.floor);
@@ -146,9 +158,12 @@ static void explain(const struct gp_glare_request *req,
                  (double) p->tolerance_pixel);
     snprintf(req->stats->why, sizeof req->stats->why,
              "%s%s for %zu source%s, bound %.2g%s%s%s",
-             gp_engines[c->engine]->name,
-             c->whole       ? " of the whole kernel"
-             : c->in_double ? " in double" : "",
+             req->kernel->sky && !c->whole ? "levels"
+                                           : gp_engines[c->engine]->name,
+             c->whole && req->kernel->sky ? " by true angles"
+             : c->whole                   ? " of the whole kernel"
+             : c->in_double               ? " in double"
+                                          : "",
              req->src->n, req->src->n == 1 ? "" : "s", c->bound, over, pixel,
              pixel_over);
 }
@@ -183,7 +198,9 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                     worse_bound(p, &other) < worse_bound(p, out)))
             *out = other;
     }
-    if (!st && !is_within(p, out) && req->far)
+    static const double AT_ONCE = 2e5, MINUTES = 2e9;
+    if (!st && (is_short(req, AT_ONCE) ||
+                (!is_within(p, out) && (req->far || is_short(req, MINUTES)))))
         st = try_whole(req, g, floor, out);
     if (st)
         return st;

@@ -7,6 +7,7 @@
 #include "glare/fft/fft.h"
 #include "glare/glare_priv.h"
 #include "glare/model/model.h"
+#include "glare/sky/sky.h"
 
 #include <math.h>
 #include <string.h>
@@ -170,6 +171,10 @@ static gp_status sum_all(const struct gp_log *log, const struct gp_surround *edg
     if (k->far)
         GP_TRY(gp_kernel_whole(log, k, src->w, src->h, &whole));
     GP_TRY(sum_plain(log, src, all, layer));
+    if (k->sky) {
+        gp_sky_sample(src, layer);
+        gp_sky_exact(k->sky, src, layer);
+    }
     if (edges)
         GP_TRY(gp_beyond_find(log, edges, &beyond));
     GP_TRY(gp_beyond_add_exact(log, beyond, all, layer));
@@ -239,8 +244,9 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
     const size_t n = gp_image_pixels(f);
     double square = 0.0, exact_square = 0.0, sum = 0.0, exact_sum = 0.0;
     double max_abs = 0.0, max_rel = 0.0, peak = 0.0;
+    long long measured = 0;
     for (size_t i = 0, next = 0; i < n; i++) {
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3 && !isnan(exact[i]); c++) {
             const double want = exact[(size_t) c * n + i];
             const double got = (double) layer->c[c][i];
             square += (got - want) * (got - want);
@@ -249,8 +255,10 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
             sum += got;
             exact_sum += want;
         }
+        // of pixels that were left out NaN, which is no peak
         peak = fmax(peak, composite_at(f, exact, (double) gain, taken, i,
                                        &next));
+        measured += !isnan(exact[i]);
     }
     // a second pass: max_rel needs the composite's peak
     for (size_t i = 0, next = 0; i < n; i++) {
@@ -260,7 +268,7 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
         for (int c = 0; c < 3; c++)
             wrong += (double) f->luminance[c] * (double) gain *
                      ((double) layer->c[c][i] - exact[(size_t) c * n + i]);
-        if (wrong != 0.0)
+        if (wrong != 0.0 && !isnan(wrong))
             max_rel = worse(max_rel, fabs(wrong) / (fmax(composite, 0.0) +
                                                     1e-6 * peak));
     }
@@ -269,5 +277,6 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
         .max_rel = max_rel,
         .max_abs = max_abs,
         .flux_error = fabs(exact_sum > 0.0 ? sum / exact_sum - 1.0 : sum),
+        .pixels = measured,
     };
 }

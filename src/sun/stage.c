@@ -142,20 +142,6 @@ gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
     return st;
 }
 
-double gp_suns_fov(const struct gp_suns *suns,
-                   const struct glarepp_frame_params *about,
-                   const struct gp_image *f)
-{
-    struct glarepp_frame_params own = *about;
-    struct gp_camera camera;
-    bool found;
-    own.has_camera = false;
-    // a matrix that is wrong is said where a light needs it
-    if (gp_suns_camera(NULL, suns, &own, f, &camera, &found) || !found)
-        return suns->more_fov;
-    return gp_camera_fov(&camera);
-}
-
 /* The sun that the camera's file names, of a frame's entry. */
 static struct glarepp_light sun_of(const struct gp_suns *suns,
     const struct gp_camera_frame *entry, const struct gp_image *f)
@@ -581,21 +567,25 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
 {
     struct gp_flare_element element[2];
     struct gp_flare sprite = {.element = element};
+    struct gp_kernel plane = {0}; // of one by true angles
     double radius = 0.0; // of the sprite
     gp_status st = GP_OK;
     for (int i = 0; i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
         if (!glares(suns, l) || is_inside(l, f->data))
             continue;
+        if (kernel->sky && !plane.w)
+            GP_TRY(gp_kernel_plane(log, kernel, &plane));
         if (!sprite.n || radius != l->radius)
-            GP_TRY(make_sprite(log, kernel, l->radius, gp_rect_h(f->display),
-                               &sprite));
+            GP_TRY(make_sprite(log, plane.w ? &plane : kernel, l->radius,
+                               gp_rect_h(f->display), &sprite));
         radius = l->radius;
         GP_TRY(gp_flare_add(log, &sprite, l, 1, f->data, f->display,
                             &f->layer));
     }
 out:
     drop_sprite(&sprite);
+    gp_kernel_free(&plane);
     return st;
 }
 

@@ -103,12 +103,6 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
                                         struct gp_suns *suns);
 
-/* The vertical angle of the picture in degrees, by --camera, by the frame's own
- * attributes, or by suns->more_fov; 0 where none says so. */
-double gp_suns_fov(const struct gp_suns *suns,
-                   const struct glarepp_frame_params *about,
-                   const struct gp_image *f);
-
 /* Returns true when a light has flux, of which gp_suns_draw() may add light;
  * `seen`: and is not hidden. */
 bool gp_suns_have_light(const struct gp_suns *suns, bool seen);

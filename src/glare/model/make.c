@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "glare/model/model_priv.h"
 #include "glare/far_field/far_field.h"
+#include "glare/sky/sky.h"
 
 #include <limits.h>
 #include <math.h>
@@ -91,9 +92,11 @@ static gp_status open_shape(const struct gp_log *log,
     return r->model->open(log, r, field, out);
 }
 
+/* Opens shapes, but of models of the angle where `sky` is to have these. */
 static gp_status open_mixture(const struct gp_log *log,
-    const struct gp_recipe *r, int n, const struct gp_field *field,
-    struct mixture *m)
+                              const struct gp_recipe *r, int n,
+                              const struct gp_field *field,
+                              struct gp_sky_params *sky, struct mixture *m)
 {
     double sum = 0.0;
     *m = (struct mixture) {
@@ -101,19 +104,27 @@ static gp_status open_mixture(const struct gp_log *log,
         .far_even = true, .stretch = fmax(field->aspect, 1.0 / field->aspect),
     };
     for (int i = 0; i < n; i++) {
-        gp_status st = open_shape(log, &r[i], field, &m->shape[i]);
+        const double share = gp_recipe_value(&r[i], "share");
+        sum += share;
+        if (sky && r[i].model->angular && !gp_recipe_adapts(&r[i]) &&
+            r[i].model->angular(&r[i], field, &sky->part[sky->n])) {
+            sky->share[sky->n++] = share;
+            continue;
+        }
+        gp_status st = open_shape(log, &r[i], field, &m->shape[m->n]);
         if (st) {
             close_mixture(m);
             return st;
         }
-        m->n++;
-        m->share[i] = gp_recipe_value(&r[i], "share");
-        sum += m->share[i];
+        m->share[m->n] = share;
         m->image |= r[i].model == &gp_model_image;
-        add_facts(m, &m->shape[i]);
+        add_facts(m, &m->shape[m->n++]);
     }
-    for (int i = 0; i < n && sum > 1.0; i++)
+    for (int i = 0; i < GP_RECIPES && sum > 1.0; i++) {
         m->share[i] /= sum;
+        if (sky)
+            sky->share[i] /= sum;
+    }
     m->stays = fmax(0.0, 1.0 - sum);
     return GP_OK;
 }
@@ -361,19 +372,45 @@ struct gp_field gp_field_of(const struct gp_image *f, double fov)
     return field;
 }
 
+/* Opens a mixture, and what of it goes by true angles; *sky stays NULL where nothing
+ * does. */
+static gp_status open_parts(const struct gp_log *log, const struct gp_recipe *r,
+                            int n, const struct gp_field *field,
+                            struct mixture *m, struct gp_sky **sky)
+{
+    struct gp_sky_params p = {
+        .projection = field->projection,
+        .w = field->seen_w,
+        .h = field->seen_h,
+        .tolerance = field->tolerance,
+    };
+    const bool any = p.projection.kind != GP_PLANE;
+    gp_status st = open_mixture(log, r, n, field, any ? &p : NULL, m);
+    if (st || !p.n)
+        return st;
+    st = gp_sky_make(log, &p, sky);
+    if (!st && *sky) {
+        m->stays += gp_sky_give(*sky);
+        return GP_OK;
+    }
+    close_mixture(m);
+    return st ? st : open_mixture(log, r, n, field, NULL, m);
+}
+
 gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
     int n, const struct gp_field *field, struct gp_kernel *out)
 {
     struct mixture m;
     struct gp_kernel k = {0};
     struct gp_far_field *far = NULL;
+    struct gp_sky *sky = NULL;
     if (!isfinite(field->rotate) || !(field->degrees > 0.0) ||
         !(field->degrees <= 180.0))
         return gp_fail_at(log, GP_ERR_USAGE, "field.degrees",
                           "%s: no kernel has this angle (a pixel of %g degrees, "
                           "turned by %g)", r->model->name, field->degrees,
                           field->rotate);
-    gp_status st = open_mixture(log, r, n, field, &m);
+    gp_status st = open_parts(log, r, n, field, &m, &sky);
     if (st)
         return st;
     struct gp_far_split split = choose_split(&m, field->w, field->h);
@@ -389,6 +426,12 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
                      &k));
     join_far(far, field, &k);
     far = NULL;
+    if (sky) // of a light in the middle
+        k.left_out += gp_sky_outside(sky, 0.5 * (field->seen_w - 1),
+                                     0.5 * (field->seen_h - 1)) -
+                      gp_sky_light(sky) + gp_sky_given(sky);
+    k.sky = sky;
+    sky = NULL;
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k.origin, &k.origin));
     k.origin->n = n;
     k.origin->field = *field;
@@ -398,6 +441,7 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
     k = (struct gp_kernel) {0};
 out:
     close_mixture(&m);
+    gp_sky_free(&sky);
     gp_far_free(far);
     gp_kernel_free(&k);
     return st;
@@ -409,13 +453,24 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
     static const struct gp_far_split whole = {0};
     const struct gp_kernel_origin *const o = k->origin;
     struct mixture m;
-    gp_status st = open_mixture(log, o->recipe, o->n, &o->field, &m);
+    struct gp_sky_params rest = {0}; // k's sky has these
+    gp_status st = open_mixture(log, o->recipe, o->n, &o->field,
+                                k->sky ? &rest : NULL, &m);
     if (st)
         return st;
+    m.stays += k->sky ? gp_sky_given(k->sky) : 0.0;
     m.tint = o->tint;
     st = make_core(log, &m, &whole, NULL, o->field.luminance, w, h, out);
     if (!st)
         join_far(NULL, &o->field, out);
     close_mixture(&m);
     return st;
+}
+
+gp_status gp_kernel_plane(const struct gp_log *log, const struct gp_kernel *k,
+                          struct gp_kernel *out)
+{
+    struct gp_field field = k->origin->field;
+    field.projection.kind = GP_PLANE;
+    return gp_model_kernel(log, k->origin->recipe, k->origin->n, &field, out);
 }

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+/* The field that a frame's kernel is made for: angle of view and projection, and how
+ * far the kernel has to reach. */
+#include "api/plan.h"
+
+#include "core/minmax.h"
+#include "glare/sky/sky.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The field of a frame: its angle of view is the plan's, else its camera's or
+ * scene's, else its lens's, else the usual one. */
+struct gp_field gp_api_field(struct glarepp_frame *f)
+{
+    struct glarepp_kernel_facts *const facts = &f->facts.kernel;
+    const struct gp_kernel_request *const r = f->plan->kernel->request;
+    double fov = gp_api_camera_fov(f);
+    facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
+    if (!(fov > 0.0)) {
+        struct gp_api_stop stop = {.fov = GP_USUAL_FOV};
+        const bool known =
+            f->plan->lens_params.lens && gp_api_lens_stop(f, &stop);
+        facts->fov_from = known ? "lens" : "default";
+        fov = stop.fov;
+    }
+    struct gp_field field = gp_field_of(&f->image, fov);
+    field.rotate = f->plan->rotate;
+    field.tolerance = (double) f->plan->glare.tolerance;
+    field.fps = f->p.fps > 0.0 ? f->p.fps : field.fps;
+    facts->projection = "plane";
+    if (f->plan->projection == GLAREPP_PERSPECTIVE && fov < 180.0) {
+        const struct gp_rect *const data = &f->image.data;
+        struct gp_projection p;
+        if (!gp_api_camera(f, &p))
+            p = gp_projection_of(GP_PERSPECTIVE, f->image.display, field.aspect,
+                                 fov);
+        field.degrees = fmin(p.dy * (180.0 / M_PI), 180.0); // in its middle
+        field.aspect = p.dx / p.dy;
+        // the first pixel's middle
+        p.x0 -= data->x0 + 0.5;
+        p.y0 -= data->y0 + 0.5;
+        field.projection = p;
+        field.seen_w = field.w;
+        field.seen_h = field.h;
+        facts->projection = "perspective";
+    }
+    field.frame = f->p.numbered ? f->p.number : 0;
+    const bool angled = r->recipes || r->degrees > 0.0;
+    facts->deg_per_pixel = angled ? field.degrees : 0.0;
+    facts->fov = fov;
+    return field;
+}
+
+/* Widens the field so that lights outside of the frame light all of it, up to
+ * three frames: in steps, as a light that moves must not remake the kernel for
+ * each frame. */
+static void reach_lights(const struct glarepp_frame *f, struct gp_field *field)
+{
+    enum { STEP = 128, MOST = 8192 }; // twice that is what all GL drivers draw
+    int offset[2], *const size[2] = {&field->w, &field->h};
+    gp_suns_offsets(&f->work->lights->suns, f->image.data, offset);
+    for (int i = 0; i < 2; i++) {
+        const int most = gp_min(3 * *size[i], MOST);
+        if (offset[i] >= *size[i])
+            *size[i] =
+                gp_max(*size[i], gp_min(most, (offset[i] / STEP + 1) * STEP));
+    }
+}
+
+void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field)
+{
+    if (f->work->lights)
+        reach_lights(f, field);
+    if (f->plan->edges == GLAREPP_MIRROR) {
+        const int more =
+            2 * gp_mirror_reach(gp_image_w(&f->image), gp_image_h(&f->image));
+        field->w += more;
+        field->h += more;
+        field->seen_w += more;
+        field->seen_h += more;
+        field->projection.x0 += 0.5 * more;
+        field->projection.y0 += 0.5 * more;
+    }
+}
+
+/* The share of the light of a frame's sources that falls outside of it. */
+double gp_api_left_out(const struct glarepp_frame *f, const struct gp_kernel *k)
+{
+    const struct gp_sources *const src = gp_api_bright(f);
+    const float *const y = f->image.luminance;
+    // in the middle of the frame, and of what surrounds it by its mirror image
+    const double x0 = 0.5 * (f->kernel->field.seen_w - src->w);
+    const double y0 = 0.5 * (f->kernel->field.seen_h - src->h);
+    double sum = 0.0, all = 0.0;
+    // some thousands of them, evenly
+    const uint32_t each = (uint32_t) (src->n / 4096 + 1);
+    for (int row = 0; row < src->h; row++) {
+        for (uint32_t i = src->row[row]; i < src->row[row + 1]; i++) {
+            if (i % each)
+                continue;
+            const double light =
+                (double) (y[0] * src->rgb[0][i] + y[1] * src->rgb[1][i] +
+                          y[2] * src->rgb[2][i]);
+            sum += light * gp_sky_outside(k->sky, x0 + src->x[i], y0 + row);
+            all += light;
+        }
+    }
+    return all > 0.0 ? sum / all : k->left_out;
+}

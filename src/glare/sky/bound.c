@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Limits of the error of levels over the layer, found when they are made. Around a
+ * place the sum is a convolution but for what changes over the frame, and so is each
+ * error.
+ *
+ * Of pixels: weights as they are interpolated, less those that are right, over these,
+ * both as norms: what a lamp meets. Light that is even meets their sums, which agree
+ * better.
+ *
+ * Of a level: its term has the spectrum K. At a frequency where splines keep k of it,
+ * and eps in their images, they lose 1 - k^2 and add k eps + eps^2 of it (far_field's
+ * add.c has the same). Levels err at frequencies an octave apart, so that their norms
+ * add up as squares, nearly (Cotlar and Stein). As no light is negative, no frequency
+ * has more of it than 0 has, where levels keep all. */
+#include "core/maths.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "glare/sky/sum.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SIDE = 32 }; // frequencies of an axis
+
+struct complex {
+    double re, im;
+};
+
+/* Adds v times the wave of frequency i of SIDE at `at`. */
+static inline void add_wave(struct complex *sum, struct complex v,
+                            const double turn[SIDE][2], int i, int at)
+{
+    const double *const t = turn[(i * (at + 4096 * SIDE)) % SIDE];
+    sum->re += v.re * t[0] + v.im * t[1];
+    sum->im += v.im * t[0] - v.re * t[1];
+}
+
+/* The spectrum of w x h samples, the middle one at 0. */
+static void find_spectrum(const double *v, int w, int h,
+                          struct complex out[SIDE][SIDE])
+{
+    double turn[SIDE][2];
+    for (int i = 0; i < SIDE; i++) {
+        const double t = 2.0 * M_PI * i / SIDE;
+        turn[i][0] = gp_cos(t);
+        turn[i][1] = gp_sin(t);
+    }
+    memset(out, 0, SIDE * sizeof *out);
+    for (int y = 0; y < h; y++) {
+        struct complex line[SIDE] = {{0}};
+        for (int x = 0; x < w; x++) {
+            const struct complex at = {v[y * w + x], 0.0};
+            for (int i = 0; i < SIDE && at.re != 0.0; i++)
+                add_wave(&line[i], at, turn, i, x - w / 2);
+        }
+        for (int j = 0; j < SIDE; j++) {
+            for (int i = 0; i < SIDE; i++)
+                add_wave(&out[j][i], line[i], turn, j, y - h / 2);
+        }
+    }
+}
+
+/* A frequency of an axis: what a cubic spline keeps of it, and the sum of squares of
+ * that and its images. */
+struct keeping {
+    double kept, square;
+};
+
+static struct keeping keep_of(int i)
+{
+    enum { IMAGES = 4 };
+    const double f = (double) (i <= SIDE / 2 ? i : i - SIDE) / SIDE;
+    const double own = (2.0 + gp_cos(2.0 * M_PI * f)) / 3.0;
+    struct keeping k = {0};
+    for (int m = -IMAGES; m <= IMAGES; m++) {
+        const double a = M_PI * (f + m);
+        const double s =
+            a == 0.0 ? 1.0 : gp_sin(M_PI * f) / a; // up to its sign
+        const double v = s * s * s * s / own;
+        k.kept = m == 0 ? v : k.kept;
+        k.square += v * v;
+    }
+    return k;
+}
+
+/* The norm of the error of a level at a place. Of the last one, whose term has no end,
+ * as if others came after it, and these: each is under .75 of the
+ * one before. */
+static double level_error(const struct gp_sky *s, int l, const double at[2])
+{
+    const bool last = l == s->levels - 1;
+    const double step = s->level[l].step;
+    const double area =
+        step * step * gp_projection_solid(&s->p.projection, at[0], at[1]);
+    const double side = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
+    struct complex spectrum[SIDE][SIDE];
+    double term[SIDE * SIDE], most = 0.0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double from[2] = {at[0] - (i % SIDE - SIDE / 2) * step,
+                                at[1] - (i / SIDE - SIDE / 2) * step};
+        term[i] = area * gp_sky_term(s, l, false, at, from, side);
+    }
+    find_spectrum(term, SIDE, SIDE, spectrum);
+    for (int j = 0; j < SIDE; j++) {
+        for (int i = 0; i < SIDE; i++) {
+            const struct keeping across = keep_of(i), down = keep_of(j);
+            const double kept = across.kept * down.kept;
+            const double eps =
+                sqrt(fmax(across.square * down.square - kept * kept, 0.0));
+            most = fmax(most,
+                        gp_hypot(spectrum[j][i].re, spectrum[j][i].im) *
+                            (fabs(1.0 - kept * kept) + kept * eps + eps * eps));
+        }
+    }
+    return last ? 2.0 * most : most;
+}
+
+/* The weights of a pixel, what stays in it among them, and how far those are apart
+ * from them that are interpolated. w x h of each; `right` is owned. */
+struct apart {
+    double *right, *wrong;
+    int w, h;
+};
+
+/* The errors at a place over the layer. */
+static double error_at(const struct gp_sky *s, int x, int y,
+                       const struct apart *a)
+{
+    const double at[2] = {x, y};
+    double wrong = 0.0, right = 0.0, levels = 0.0;
+    for (int i = 0; i < a->w * a->h; i++) {
+        wrong += a->wrong[i] * a->wrong[i];
+        right += a->right[i] * a->right[i];
+    }
+    for (int l = 1; l < s->levels; l++) {
+        const double e = level_error(s, l, at);
+        levels += e * e;
+    }
+    return sqrt(wrong / right) + sqrt(levels) / (s->spread + s->light.stays);
+}
+
+static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
+                            int x, int y, struct apart *out)
+{
+    const struct gp_sky_level *const g = &s->level[0];
+    const int n = g->block == 1 ? 1 : g->rows, first = y - y % n;
+    const int count = gp_min(n, s->p.h - first), block = x / g->block;
+    struct apart a = {.w = 2 * g->rx + 1, .h = 2 * g->ry + 1};
+    const size_t all = (size_t) a.w * (size_t) a.h, middle = all / 2;
+    const double side = gp_sky_ellipse_at(&s->p.projection, x, y).most;
+    float *scratch = NULL, *right = NULL, *own = NULL,
+          factor[2 * GP_SKY_ROWS] = {1.0f};
+    struct gp_sky_weights w;
+    gp_status st;
+    GP_TRY(gp_alloc(log, "bound", gp_sky_weights_room(s, g), sizeof *scratch,
+                    &scratch));
+    GP_TRY(gp_alloc_zero(log, "bound", g->size, sizeof *right, &right));
+    GP_TRY(gp_alloc(log, "bound", (size_t) s->p.w, sizeof *own, &own));
+    GP_TRY(gp_alloc(log, "bound", 2 * all, sizeof *a.right, &a.right));
+    a.wrong = a.right + all;
+    (void) gp_sky_weights_open(s, 0, first, count, scratch, &w);
+    gp_sky_find_block(&w, g->block == 1 ? gp_max(block - 1, 0) : block);
+    if (g->block > 1)
+        gp_sky_find_factors(&w, block, count, factor);
+    const double stays =
+        gp_sky_weigh_pixels(s, (double[2]) {x, y}, side, a.right, right);
+    gp_sky_own(s, s->p.w, s->p.h, y, own);
+    const float lane = (float) (g->block == 1 ? block > 0 : x % g->block);
+    for (size_t i = 0; i < all; i++) {
+        const size_t row = i / (size_t) a.w, column = i % (size_t) a.w;
+        const size_t at = row * w.pitch + GP_SKY_PAD + column;
+        const float made =
+            factor[y - first] * (w.value[at] + lane * w.slope[at]);
+        a.right[i] = (double) right[row * g->pitch + column];
+        a.wrong[i] = (double) made - a.right[i];
+    }
+    a.right[middle] = stays;
+    a.wrong[middle] = (double) own[x] + s->given - stays;
+    *out = a;
+    a.right = NULL;
+out:
+    gp_free(a.right);
+    gp_free(scratch);
+    gp_free(right);
+    gp_free(own);
+    return st;
+}
+
+gp_status gp_sky_error_find(const struct gp_log *log, struct gp_sky *s)
+{
+    static const double SURE = 1.5;    // between the places that are looked at
+    static const double TABLES = 4e-5; // of curves, means and roundings
+    gp_status st = GP_OK;
+    for (int i = 0; i < 4 && !st; i++) { // middle, right, lower, corner
+        const int x = i & 1 ? s->p.w - 1 : s->p.w / 2;
+        const int y = i & 2 ? s->p.h - 1 : s->p.h / 2;
+        struct apart a;
+        st = find_apart(log, s, x, y, &a);
+        if (st)
+            break;
+        s->error.relative = fmax(s->error.relative, error_at(s, x, y, &a));
+        gp_free(a.right);
+    }
+    s->error.relative = SURE * s->error.relative + TABLES;
+    return st;
+}

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Weights of all levels at all places. */
+#include "core/maths.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "glare/far_field/far_field.h"
+#include "glare/sky/sky_priv.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// -- places ------------------------------------------------------------------
+
+struct making {
+    struct gp_sky *s;
+    double *scratch; // `room` of each thread
+    size_t room;
+};
+
+/* Finds which weights of a row are not 0. */
+static void find_span(const float *row, int n, short span[2])
+{
+    int from = 0, to = n;
+    while (from < to && row[from] == 0.0f)
+        from++;
+    while (to > from && row[to - 1] == 0.0f)
+        to--;
+    span[0] = (short) from;
+    span[1] = (short) to;
+}
+
+/* The place of which another one is the mirror image. */
+static int mirror_of(const struct gp_sky *s, int i, bool turned[2])
+{
+    const int n[2] = {s->places.n[0], s->places.n[1]};
+    int at[2] = {i % n[0], i / n[0]};
+    for (int k = 0; k < 2; k++) {
+        turned[k] = s->even[k] && at[k] < n[k] - 1 - at[k];
+        at[k] = turned[k] ? n[k] - 1 - at[k] : at[k];
+    }
+    return at[1] * n[0] + at[0];
+}
+
+/* Takes a place's weights from its mirror image. */
+static void turn_place(void *ctx, int i, int thread)
+{
+    const struct making *const m = ctx;
+    struct gp_sky *const s = m->s;
+    bool turned[2];
+    const int from = mirror_of(s, i, turned);
+    (void) thread;
+    if (from == i)
+        return;
+    s->own[i] = s->own[from];
+    for (int l = 0; l < s->levels - 1; l++) {
+        struct gp_sky_level *const g = &s->level[l];
+        const size_t w = 2 * (size_t) g->rx + 1, h = 2 * (size_t) g->ry + 1;
+        const float *const of = g->weight + (size_t) from * g->size;
+        float *const to = g->weight + (size_t) i * g->size;
+        const short *const span = g->span + 2 * h * (size_t) from;
+        short *const mine = g->span + 2 * h * (size_t) i;
+        g->sum[i] = g->sum[from];
+        for (size_t y = 0; y < h; y++) {
+            const size_t row = turned[1] ? h - 1 - y : y;
+            for (size_t x = 0; x < w; x++)
+                to[y * g->pitch + x] =
+                    of[row * g->pitch + (turned[0] ? w - 1 - x : x)];
+            memcpy(mine + 2 * y, span + 2 * row, 2 * sizeof *span);
+            if (turned[0] && span[2 * row] < span[2 * row + 1]) {
+                mine[2 * y] = (short) ((int) w - span[2 * row + 1]);
+                mine[2 * y + 1] = (short) ((int) w - span[2 * row]);
+            }
+        }
+    }
+}
+
+static void make_place(void *ctx, int i, int thread)
+{
+    const struct making *const m = ctx;
+    struct gp_sky *const s = m->s;
+    bool turned[2];
+    if (mirror_of(s, i, turned) != i)
+        return;
+    double *const v = m->scratch + (size_t) thread * m->room;
+    const double at[2] = {gp_sky_pixel_of(s, 0, i % s->places.n[0]),
+                          gp_sky_pixel_of(s, 1, i / s->places.n[0])};
+    const double most = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
+    for (int l = 0; l < s->levels - 1; l++) {
+        struct gp_sky_level *const g = &s->level[l];
+        const int rows = 2 * g->ry + 1;
+        float *const out = g->weight + (size_t) i * g->size;
+        short *const span = g->span + 2 * (size_t) i * (size_t) rows;
+        if (l)
+            gp_sky_weigh_level(s, l, at, most, v, out);
+        else
+            s->own[i] = gp_sky_weigh_pixels(s, at, most, v, out);
+        g->sum[i] = 0.0;
+        for (size_t k = 0; k < g->size; k++)
+            g->sum[i] += (double) out[k];
+        for (int j = 0; j < rows; j++)
+            find_span(out + (size_t) j * g->pitch, 2 * g->rx + 1, span + 2 * j);
+    }
+}
+
+// -- the last level ------------------------------------------------------------
+
+enum { MARGIN = 8 }; // nodes beyond the frame, as its term goes on
+
+/* The weights of a node of the last level by those that light it. */
+static void make_pairs(void *ctx, int i, int thread)
+{
+    const struct making *const m = ctx;
+    struct gp_sky *const s = m->s;
+    const int l = s->levels - 1;
+    const struct gp_sky_level *const g = &s->level[l];
+    const int w = g->w + 2 * MARGIN, h = g->h + 2 * MARGIN;
+    double *const v = m->scratch + (size_t) thread * m->room;
+    float *const out = s->pairs + (size_t) i * (size_t) g->w * (size_t) g->h;
+    const double at[2] = {(i % g->w - 1) * g->step, (i / g->w - 1) * g->step};
+    const double most = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
+    for (int k = 0; k < w * h; k++) {
+        const double from[2] = {(k % w - MARGIN - 1) * g->step,
+                                (k / w - MARGIN - 1) * g->step};
+        v[k] = gp_sky_term(s, l, true, at, from, most);
+    }
+    gp_sky_divide(v, w, h);
+    for (int k = 0; k < g->w * g->h; k++)
+        out[k] = (float) v[(k / g->w + MARGIN) * w + k % g->w + MARGIN];
+}
+
+// -- all of it ----------------------------------------------------------------
+
+/* Counts the levels: until the last one has few nodes. */
+static void count_levels(struct gp_sky *s)
+{
+    static const int FEW = 250, MOST = 700; // nodes: half a million pairs
+    static const double WIDE = 0.2; // radians, too far apart for the term
+    const double wide = fmax(s->p.projection.dx, s->p.projection.dy);
+    for (int l = 1; l < GP_SKY_LEVELS; l++) {
+        const int n =
+            gp_far_nodes(s->p.w, 1 << l) * gp_far_nodes(s->p.h, 1 << l);
+        s->levels = l + 1;
+        if (n <= FEW || (n <= MOST && ldexp(wide, l + 1) > WIDE))
+            return;
+    }
+}
+
+static void size_levels(struct gp_sky *s)
+{
+    double x = 0.0, y = 0.0; // how far a step of the steepest pixel reaches
+    for (int j = 0; j < s->places.n[1]; j++) {
+        for (int i = 0; i < s->places.n[0]; i++) {
+            const struct gp_sky_ellipse e =
+                gp_sky_ellipse_at(&s->p.projection, gp_sky_pixel_of(s, 0, i),
+                                  gp_sky_pixel_of(s, 1, j));
+            x = fmax(x, e.most * e.x);
+            y = fmax(y, e.most * e.y);
+        }
+    }
+    for (int l = 0; l < s->levels; l++) {
+        struct gp_sky_level *const g = &s->level[l];
+        const int step = 1 << l;
+        *g = (struct gp_sky_level) {
+            .step = step,
+            .w = l ? gp_far_nodes(s->p.w, step) : s->p.w,
+            .h = l ? gp_far_nodes(s->p.h, step) : s->p.h,
+            .rx = (int) ceil(2.0 * s->ratio * x) + 1,
+            .ry = (int) ceil(2.0 * s->ratio * y) + 1,
+        };
+        g->pitch = ((size_t) (2 * g->rx + 1) + 7) / 8 * 8; // whole vectors
+        g->size = g->pitch * (size_t) (2 * g->ry + 1);
+    }
+}
+
+/* Tests whether levels can serve. */
+static bool is_served(const struct gp_sky *s)
+{
+    static const double MOST = 8.0 * M_PI / 180.0, LONG = 16.0;
+    const struct gp_projection *const p = &s->p.projection;
+    if (p->kind == GP_PLANE || p->kind == GP_LATLONG)
+        return false;
+    for (int i = 0; i < 9; i++) {
+        const double x = (i % 3) * 0.5 * (s->p.w - 1);
+        const double y = (i / 3) * 0.5 * (s->p.h - 1);
+        const struct gp_sky_ellipse e = gp_sky_ellipse_at(p, x, y);
+        if (!(e.most <= MOST && e.most <= LONG * e.least))
+            return false;
+        for (int k = 0; k < s->p.n; k++) {
+            if (2.0 * s->ratio * e.most * (180.0 / M_PI) < s->p.part[k].bends)
+                return false;
+        }
+    }
+    return true;
+}
+
+/* Chooses the blocks of a level, and places them. Over d radians a line misses
+ * weights by some d^2 / 3 of them, and over +-d rows with the sum set right by d / 2:
+ * those within 4 pixels make most of the error, so pixels are held closer. */
+static gp_status place_level(const struct gp_log *log, const struct gp_sky *s,
+                             int l, struct gp_sky_level *g)
+{
+    static const double ALIKE = 0.006;
+    const double straight = l ? 0.06 : 0.03; // radians
+    const struct gp_projection *const p = &s->p.projection;
+    g->block = GP_SKY_BLOCK;
+    while (g->block > 1 && g->block * g->step * p->dx > straight)
+        g->block = g->block == GP_SKY_BLOCK ? GP_SKY_BLOCK / 2 : 1;
+    g->rows = 2 * GP_SKY_ROWS;
+    while (g->rows > 2 && g->rows * g->step * p->dy > ALIKE)
+        g->rows /= 2;
+    return gp_sky_columns(log, s, (g->w + g->block - 1) / g->block + 1,
+                          l ? -g->step : 0.0, g->block * g->step, &g->column);
+}
+
+static gp_status alloc_levels(const struct gp_log *log, struct gp_sky *s,
+                              struct making *m)
+{
+    gp_status st = GP_OK;
+    const size_t places = (size_t) s->places.n[0] * (size_t) s->places.n[1];
+    for (int l = 0; l < s->levels - 1; l++) {
+        struct gp_sky_level *const g = &s->level[l];
+        const size_t rows = 2 * (size_t) g->ry + 1;
+        GP_TRY(gp_alloc_zero(log, "kernel", places * g->size, sizeof(float),
+                             &g->weight));
+        GP_TRY(gp_alloc(log, "kernel", 2 * places * rows, sizeof(short),
+                        &g->span));
+        GP_TRY(gp_alloc(log, "kernel", places, sizeof *g->sum, &g->sum));
+        GP_TRY(place_level(log, s, l, g));
+        const size_t room = (2 * (size_t) g->rx + 1) * rows;
+        m->room = m->room > room ? m->room : room;
+    }
+    const struct gp_sky_level *const last = &s->level[s->levels - 1];
+    const size_t nodes = (size_t) last->w * (size_t) last->h;
+    const size_t wide =
+        (size_t) (last->w + 2 * MARGIN) * (size_t) (last->h + 2 * MARGIN);
+    m->room = m->room > wide ? m->room : wide;
+    GP_TRY(gp_sky_columns(log, s, s->p.w, 0.0, 1.0, &s->column));
+    GP_TRY(gp_alloc(log, "kernel", nodes * nodes, sizeof(float), &s->pairs));
+    GP_TRY(gp_alloc(log, "kernel", places, sizeof *s->own, &s->own));
+    st = gp_alloc(log, "kernel", m->room * (size_t) gp_threads(),
+                  sizeof *m->scratch, &m->scratch);
+out:
+    return st;
+}
+
+gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
+                      struct gp_sky **out)
+{
+    gp_status st;
+    struct gp_sky *s = NULL;
+    struct making m = {0};
+    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
+    s->p = *p;
+    s->ratio = p->tolerance > 0.0 && p->tolerance < 1e-4 ? 8.0 : 4.0;
+    s->negligible = s->ratio > 4.0 ? 1e-5 : 4e-3;
+    if (!is_served(s))
+        goto out;
+    GP_TRY(gp_sky_light_make(log, p, &s->light));
+    count_levels(s);
+    gp_sky_lay_places(s);
+    s->even[0] = fabs(p->projection.x0 - 0.5 * (p->w - 1)) < 1e-6;
+    s->even[1] = fabs(p->projection.y0 - 0.5 * (p->h - 1)) < 1e-6;
+    size_levels(s);
+    GP_TRY(alloc_levels(log, s, &m));
+    m.s = s;
+    GP_TRY(gp_sky_outside_make(log, s));
+    GP_TRY(gp_sky_outside_table(log, s));
+    gp_parallel_do(s->places.n[0] * s->places.n[1], make_place, &m);
+    gp_parallel_do(s->places.n[0] * s->places.n[1], turn_place, &m);
+    gp_parallel_do(s->level[s->levels - 1].w * s->level[s->levels - 1].h,
+                   make_pairs, &m);
+    GP_TRY(gp_sky_error_find(log, s));
+    *out = s;
+    s = NULL;
+out:
+    gp_sky_free(&s);
+    gp_free(m.scratch);
+    return st;
+}
+
+void gp_sky_free(struct gp_sky **sky)
+{
+    struct gp_sky *const s = *sky;
+    if (s) {
+        for (int l = 0; l < GP_SKY_LEVELS; l++) {
+            gp_free(s->level[l].weight);
+            gp_free(s->level[l].span);
+            gp_free(s->level[l].sum);
+            gp_free(s->level[l].column);
+        }
+        gp_free(s->light.curve.value);
+        gp_free(s->pairs);
+        gp_free(s->own);
+        gp_free(s->column);
+        gp_free(s->within.value);
+        gp_free(s->outer_at[0]);
+        gp_free(s->outer_at[1]);
+        gp_free(s->outside);
+    }
+    GP_FREE(*sky);
+}
+
+double gp_sky_give(struct gp_sky *s)
+{
+    const int n = s->places.n[0] * s->places.n[1];
+    double least = INFINITY;
+    for (int i = 0; i < n; i++)
+        least = fmin(least, s->own[i]);
+    // cubics between places may be lower
+    s->given = (double) (float) (0.9 * fmax(least, 0.0));
+    for (int i = 0; i < n; i++)
+        s->own[i] -= s->given;
+    return s->given;
+}
+
+double gp_sky_given(const struct gp_sky *s)
+{
+    return s->given;
+}
+
+double gp_sky_light(const struct gp_sky *s)
+{
+    return s->spread + s->light.stays;
+}
+
+const struct gp_sky_error *gp_sky_error_of(const struct gp_sky *sky)
+{
+    return &sky->error;
+}

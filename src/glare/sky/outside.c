@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Light that leaves the frame.
+ *
+ * Around a place, light within the chord r is F(r^2), of which a sector d phi holds
+ * d phi / 2 pi. So the share that falls into the frame is the sum over its border of
+ *
+ *   F(r^2) d phi / 2 pi,   d phi = p . (e x de) / |p x e|^2
+ *
+ * p the direction of the place, e that of the border, all the way around. */
+#include "core/maths.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "glare/sky/sky_priv.h"
+
+#include <math.h>
+
+/* Fills the share of light within a chord, by its square. */
+gp_status gp_sky_outside_make(const struct gp_log *log, struct gp_sky *s)
+{
+    const struct gp_curve *const of = &s->light.curve;
+    const struct gp_gauss *const g = gp_gauss_rule(6);
+    gp_status st = gp_curve_make(log, 1, s->light.nearest, 2.1, &s->within);
+    double sum = 0.0, step;
+    for (int i = 0; !st && i <= of->n; i++) {
+        const double c = gp_curve_square(of, i, &step);
+        double light = 0.0;
+        if (i == 0) // even nearer in
+            sum = M_PI * c * gp_sky_soft(&s->light, 0.0, c);
+        s->within.value[2 * i] = sum;
+        s->spread = c <= 4.0 ? sum : s->spread;
+        light = gp_sky_soft(&s->light, 0.0, c);
+        s->within.value[2 * i + 1] = M_PI * light * step;
+        for (int k = 0; k < g->n && i < of->n; k++)
+            sum += M_PI * step * g->weight[k] *
+                   gp_sky_soft(&s->light, 0.0, c + step * (0.5 + g->node[k]));
+    }
+    return st;
+}
+
+/* A side of the frame's border. */
+struct side {
+    double from[2], along[2]; // pixels; a unit step
+    double length;
+};
+
+/* The part of the light around a place that a stretch of a side ends, from a to b
+ * along it. */
+static double part_of(const struct gp_sky *s, struct gp_v3 p,
+                      const struct side *side, double a, double b)
+{
+    static const double STEP = 1e-3; // pixels, for the tangent
+    const struct gp_projection *const q = &s->p.projection;
+    const struct gp_gauss *const g = gp_gauss_rule(5);
+    double sum = 0.0;
+    for (int k = 0; k < g->n; k++) {
+        const double t = 0.5 * (a + b) + (b - a) * g->node[k];
+        const double x = side->from[0] + t * side->along[0];
+        const double y = side->from[1] + t * side->along[1];
+        const struct gp_v3 e = gp_projection_direction(q, x, y);
+        const struct gp_v3 next = gp_projection_direction(
+            q, x + STEP * side->along[0], y + STEP * side->along[1]);
+        const struct gp_v3 apart = gp_v3_sub(e, p), across = gp_v3_cross(p, e);
+        const double turn =
+            gp_v3_dot(p, gp_v3_cross(e, gp_v3_sub(next, e))) / STEP;
+        const double c = gp_v3_dot(apart, apart);
+        double within = 0.0;
+        gp_curve_add(&s->within, c, 1.0, &within);
+        sum += g->weight[k] * (b - a) * within * turn /
+               fmax(gp_v3_dot(across, across), 1e-300);
+    }
+    return sum / (2.0 * M_PI);
+}
+
+/* The same from the foot of the place on it, `away`, to one end: in stretches that
+ * grow with the distance. */
+static double half_of(const struct gp_sky *s, struct gp_v3 p,
+                      const struct side *side, double foot, double away,
+                      double end)
+{
+    const double way = end < foot ? -1.0 : 1.0, length = fabs(end - foot);
+    double sum = 0.0, at = 0.0;
+    while (at < length) {
+        const double to = fmin(at + fmax(0.7 * away, 0.7 * at), length);
+        sum += part_of(s, p, side, foot + way * at, foot + way * to);
+        at = to;
+    }
+    return sum;
+}
+
+/* The share for light at a point. */
+static double outside_of(const struct gp_sky *s, double x, double y)
+{
+    const double w = s->p.w, h = s->p.h;
+    const struct side sides[4] = {
+        {{-0.5, -0.5}, {1, 0}, w},
+        {{w - 0.5, -0.5}, {0, 1}, h},
+        {{w - 0.5, h - 0.5}, {-1, 0}, w},
+        {{-0.5, h - 0.5}, {0, -1}, h},
+    };
+    const struct gp_v3 p = gp_projection_direction(&s->p.projection, x, y);
+    double inside = 0.0;
+    for (int i = 0; i < 4; i++) {
+        const struct side *const d = &sides[i];
+        const double u = x - d->from[0], v = y - d->from[1];
+        const double foot = u * d->along[0] + v * d->along[1];
+        const double away = fabs(u * d->along[1] - v * d->along[0]);
+        const double at = fmin(fmax(foot, 0.0), d->length);
+        inside += half_of(s, p, d, at, fmax(away, 0.01), d->length) -
+                  half_of(s, p, d, at, fmax(away, 0.01), 0.0);
+    }
+    return fmin(fmax(s->spread - fabs(inside), 0.0), s->spread);
+}
+
+double gp_sky_outside(const struct gp_sky *s, double x, double y)
+{
+    // near the border it bends within a pixel, which shines evenly
+    static const double NEAR = 6.0;
+    const double border =
+        fmin(fmin(x, s->p.w - 1 - x), fmin(y, s->p.h - 1 - y));
+    const struct gp_gauss *const g = gp_gauss_rule(border < 1.0    ? 10
+                                                   : border < NEAR ? 3
+                                                                   : 1);
+    double sum = 0.0;
+    for (int i = 0; i < g->n * g->n; i++)
+        sum += g->weight[i % g->n] * g->weight[i / g->n] *
+               outside_of(s, x + g->node[i % g->n], y + g->node[i / g->n]);
+    return sum;
+}
+
+// -- a table of places --------------------------------------------------------
+
+/* Pixels 0 .. n - 1 at which the share is known: each at both borders, and then as far
+ * apart as an eighth of the way from there; the same from either side. */
+static int lay_axis(int n, int *at)
+{
+    int count = 0, half;
+    for (int i = 0; 2 * i <= n - 1; i += gp_max(1, i / 8))
+        at[count++] = i;
+    half = count;
+    for (int k = half - 1; k >= 0; k--) {
+        if (n - 1 - at[k] > at[count - 1])
+            at[count++] = n - 1 - at[k];
+    }
+    return count;
+}
+
+static void find_row(void *ctx, int j, int thread)
+{
+    struct gp_sky *const s = ctx;
+    (void) thread;
+    const int w = s->outer[0], h = s->outer[1];
+    for (int i = 0; i < w; i++) {
+        // mirrored places have the same share
+        const bool known =
+            (s->even[0] && i > w - 1 - i) || (s->even[1] && j > h - 1 - j);
+        if (!known)
+            s->outside[j * w + i] =
+                (float) gp_sky_outside(s, s->outer_at[0][i], s->outer_at[1][j]);
+    }
+}
+
+gp_status gp_sky_outside_table(const struct gp_log *log, struct gp_sky *s)
+{
+    gp_status st = GP_OK;
+    const int size[2] = {s->p.w, s->p.h};
+    for (int k = 0; k < 2 && !st; k++) {
+        st = gp_alloc(log, "kernel", (size_t) size[k], sizeof(int),
+                      &s->outer_at[k]);
+        if (!st)
+            s->outer[k] = lay_axis(size[k], s->outer_at[k]);
+    }
+    if (!st)
+        st =
+            gp_alloc(log, "kernel", (size_t) s->outer[0] * (size_t) s->outer[1],
+                     sizeof *s->outside, &s->outside);
+    if (st)
+        return st;
+    const int w = s->outer[0], h = s->outer[1];
+    gp_parallel_do(h, find_row, s);
+    for (int i = 0; i < w * h; i++) {
+        const int x = i % w, y = i / w;
+        const int from = s->even[0] && x > w - 1 - x ? w - 1 - x : x;
+        const int down = s->even[1] && y > h - 1 - y ? h - 1 - y : y;
+        s->outside[i] = s->outside[down * w + from];
+    }
+    return st;
+}
+
+void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)
+{
+    int j = 0;
+    while (j + 2 < s->outer[1] && s->outer_at[1][j + 1] <= y)
+        j++;
+    const int last = gp_min(j + 1, s->outer[1] - 1);
+    const int gap = gp_max(s->outer_at[1][last] - s->outer_at[1][j], 1);
+    const float down = (float) (y - s->outer_at[1][j]) / (float) gap;
+    const float *const upper = s->outside + j * s->outer[0];
+    const float *const lower = s->outside + last * s->outer[0];
+    for (int i = 0; i + 1 < s->outer[0]; i++) {
+        const int from = s->outer_at[0][i], to = s->outer_at[0][i + 1];
+        const float a = upper[i] + down * (lower[i] - upper[i]);
+        const float b = upper[i + 1] + down * (lower[i + 1] - upper[i + 1]);
+        const float slope = (b - a) / (float) (to - from);
+        for (int x = from; x <= to; x++)
+            row[x] = a + slope * (float) (x - from);
+    }
+    if (s->outer[0] == 1)
+        row[0] = upper[0] + down * (lower[0] - upper[0]);
+}

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Places at which weights are known, and what is between them. */
+#include "core/maths.h"
+#include "core/memory.h"
+#include "glare/sky/sky_priv.h"
+
+#include <math.h>
+
+static double scale_of(const struct gp_projection *p, int axis)
+{
+    return axis ? p->dy : p->dx;
+}
+
+/* The place coordinate of a pixel along an axis, times its step, and its slope. Of a
+ * PERSPECTIVE it is asinh u: towards the border the metric changes by as much for each
+ * step of it. */
+static double angle_of(const struct gp_projection *p, int axis, double at,
+                       double *slope)
+{
+    const double u = (at - (axis ? p->y0 : p->x0)) * scale_of(p, axis);
+    *slope = scale_of(p, axis);
+    if (p->kind != GP_PERSPECTIVE)
+        return u;
+    const double root = sqrt(1.0 + u * u);
+    *slope /= root;
+    return u < 0.0 ? -gp_log(root - u) : gp_log(root + u);
+}
+
+double gp_sky_place_of(const struct gp_sky *s, int axis, double x,
+                       double *slope)
+{
+    const double t = angle_of(&s->p.projection, axis, x, slope);
+    *slope /= s->places.step[axis];
+    return (t - s->places.first[axis]) / s->places.step[axis];
+}
+
+double gp_sky_pixel_of(const struct gp_sky *s, int axis, double i)
+{
+    const struct gp_projection *const p = &s->p.projection;
+    const double t = s->places.first[axis] + i * s->places.step[axis];
+    const double u =
+        p->kind == GP_PERSPECTIVE ? 0.5 * (gp_exp(t) - gp_exp(-t)) : t;
+    return (axis ? p->y0 : p->x0) + u / scale_of(p, axis);
+}
+
+int gp_sky_cubic(double t, int n, double w[4])
+{
+    const int cell = (int) fmin(fmax(floor(t), 1.0), n - 3.0);
+    const double x = t - cell;
+    // Lagrange's, at -1, 0, 1, 2
+    w[0] = -x * (x - 1.0) * (x - 2.0) / 6.0;
+    w[1] = (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0;
+    w[2] = -(x + 1.0) * x * (x - 2.0) / 2.0;
+    w[3] = (x + 1.0) * x * (x - 1.0) / 6.0;
+    return cell - 1;
+}
+
+/* Lays places over the frame, and over nodes beyond it of levels that have weights by
+ * places. */
+void gp_sky_lay_places(struct gp_sky *s)
+{
+    static const double APART = 0.125; // radians: cubics keep 1e-4 of weights
+    for (int axis = 0; axis < 2; axis++) {
+        const int n = axis ? s->p.h : s->p.w;
+        double slope;
+        const double beyond = s->levels > 2 ? ldexp(1.0, s->levels - 2) : 0.0;
+        const double from =
+            angle_of(&s->p.projection, axis, -2.0 * beyond, &slope);
+        const double to =
+            angle_of(&s->p.projection, axis, n - 1.0 + 2.0 * beyond, &slope);
+        const int cells = (int) ceil((to - from) / APART) + 1;
+        s->places.step[axis] = fmax((to - from) / cells, 1e-9);
+        s->places.first[axis] = from - s->places.step[axis];
+        s->places.n[axis] = cells + 3;
+    }
+}
+
+/* Places n columns, `step` pixels apart, from `first` on. */
+gp_status gp_sky_columns(const struct gp_log *log, const struct gp_sky *s,
+                         int n, double first, double step,
+                         struct gp_sky_column **out)
+{
+    gp_status st = gp_alloc(log, "kernel", (size_t) n, sizeof **out, out);
+    for (int i = 0; i < n && !st; i++) {
+        struct gp_sky_column *const b = &(*out)[i];
+        double slope, at[4];
+        const double t = gp_sky_place_of(s, 0, first + i * step, &slope);
+        b->place = gp_sky_cubic(t, s->places.n[0], at);
+        for (int k = 0; k < 4; k++)
+            b->at[k] = (float) at[k];
+    }
+    return st;
+}
+
+void gp_sky_own(const struct gp_sky *s, int w, int h, int y, float *row)
+{
+    const struct gp_sky_column *const column = s->column + (s->p.w - w) / 2;
+    double t, slope, at[4], line[4] = {0};
+    t = gp_sky_place_of(s, 1, y + (s->p.h - h) / 2, &slope);
+    const int down = gp_sky_cubic(t, s->places.n[1], at);
+    int known = -1;
+    for (int x = 0; x < w; x++) {
+        const struct gp_sky_column *const b = &column[x];
+        for (int k = 0; k < 4 && b->place != known; k++) {
+            line[k] = 0.0;
+            for (int j = 0; j < 4; j++)
+                line[k] +=
+                    at[j] * s->own[(down + j) * s->places.n[0] + b->place + k];
+        }
+        known = b->place;
+        row[x] =
+            (float) (line[0] * (double) b->at[0] + line[1] * (double) b->at[1] +
+                     line[2] * (double) b->at[2] + line[3] * (double) b->at[3]);
+    }
+}

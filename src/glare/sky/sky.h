@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Glare by true angles: models of the angle alone, over a frame that a projection
+ * shows.
+ *
+ *   layer(p) = sum over sources s of L_s Omega_s P(p, s)
+ *
+ * P(p, s) is the light per steradian at the angle between both, its mean over the
+ * two pixels, which shine and are lit evenly; Omega_s the solid angle of the
+ * source's pixel. In a picture that is no convolution: a pixel off the axis covers
+ * less of the sky, and a circle of the sky is an ellipse there.
+ *
+ * It is summed on levels. With c the square of the chord between two directions and
+ * a scale A, let
+ *
+ *   P_A(c) = P(c) from c = A on, else P(A psi(c / A)),  psi(u) = u + (1 - u)^3 / 4
+ *
+ * which has no peak, and bends on the scale of A only. Then
+ *
+ *   P = (P - P_A1) + (P_A1 - P_A2) + ... + P_AL,   A(l + 1) = 4 A(l)
+ *
+ * The first term ends at A1, some 8 pixels away, and is summed pixel by pixel. Term
+ * l of the others is smooth on 2^l pixels: light goes to a grid of that step by
+ * cubic B-splines, from grid to grid, a half in size each, is spread there, and
+ * comes back the same way. Each term ends at A(l + 1), so that a grid costs a
+ * quarter of the one before it, and all together a third of the first term.
+ * Weights are those of true angles at every place of every grid. */
+#ifndef GP_GLARE_SKY_H
+#define GP_GLARE_SKY_H
+
+#include "core/image.h"
+#include "core/parallel.h"
+#include "core/projection.h"
+#include "core/status.h"
+#include "glare/model/model.h"
+#include "glare/sources.h"
+
+struct gp_sky_params {
+    int n; // models
+    struct gp_angular part[GP_RECIPES];
+    double share[GP_RECIPES];        // of each
+    double stays;                    // other light that stays in its pixel
+    struct gp_projection projection; // not PLANE; places count from the frame's
+                                     // corner
+    int w, h;                        // of the frame, pixels
+    double tolerance;                // of rel_l2
+};
+
+struct gp_sky;
+
+/* Makes what frames of w x h pixels need. Written only on GP_OK; free with
+ * gp_sky_free(). *out stays NULL where levels cannot serve: a model that bends
+ * within the first level, pixels of over 8 degrees or 16 times as long as wide.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sky_make(const struct gp_log *log,
+                                    const struct gp_sky_params *p,
+                                    struct gp_sky **out);
+void gp_sky_free(struct gp_sky **sky);
+
+/* Takes the least share that stays in a pixel anywhere, a float, out of what the
+ * levels leave there, for a kernel to have as its centre; and what it took. */
+double gp_sky_give(struct gp_sky *sky);
+double gp_sky_given(const struct gp_sky *sky);
+
+/* Adds the layer of sources, or writes it.
+ *   more       share of each pixel's light that stays in it beside the levels'
+ *   rest, ctx  runs for row i % h of channel i / h once it is written; or NULL
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sky_add(const struct gp_log *log,
+                                   const struct gp_sky *sky,
+                                   const struct gp_sources *src, bool add,
+                                   const float more[3], gp_task rest, void *ctx,
+                                   struct gp_planes *layer);
+
+/* Fills `row` with the share of a pixel's light that the levels leave in it, in row y
+ * of a frame of w x h pixels in the middle of those that they are for. */
+void gp_sky_own(const struct gp_sky *sky, int w, int h, int y, float *row);
+
+/* Adds the layer as it is defined, sample by sample in double, to 3 w h numbers that
+ * are not NaN: those are left out. */
+void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,
+                  double *layer);
+
+/* Leaves pixels of a layer out, where all would take minutes: makes them NaN, but for
+ * some that a hash of their places takes. */
+void gp_sky_sample(const struct gp_sources *src, double *layer);
+
+/* The share of light that levels spread, and that they leave in its pixel. */
+double gp_sky_light(const struct gp_sky *sky);
+
+/* The share of the light of a source at (x, y) that falls outside of the frame: as
+ * much of a pixel's glare comes from there where the sky is even. */
+double gp_sky_outside(const struct gp_sky *sky, double x, double y);
+
+/* Fills `row` with it; between places that are denser towards the border, within
+ * 1e-3 of the light. */
+void gp_sky_outside_row(const struct gp_sky *sky, int y, float *row);
+
+/* Limits of the error of gp_sky_add(). */
+struct gp_sky_error {
+    double relative; // the error's 2-norm over the layer's
+};
+const struct gp_sky_error *gp_sky_error_of(const struct gp_sky *sky);
+
+#endif

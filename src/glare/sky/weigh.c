@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Weights at a place. */
+#include "core/minmax.h"
+#include "glare/sky/sky_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of a line, of which
+ * neither end matters: Unser et al. 1993, part II, eq. 2.5. */
+static void divide_line(double *v, int n, ptrdiff_t step)
+{
+    static const double Z = -0.26794919243112270647; // sqrt 3 - 2
+    for (int i = 1; i < n; i++)
+        v[i * step] += Z * v[(i - 1) * step];
+    v[(n - 1) * step] *= 6.0 * -Z / (1.0 - Z * Z);
+    for (int i = n - 2; i >= 0; i--)
+        v[i * step] = Z * (v[(i + 1) * step] - 6.0 * v[i * step]);
+}
+
+void gp_sky_divide(double *v, int w, int h)
+{
+    for (int y = 0; y < h; y++)
+        divide_line(v + (ptrdiff_t) y * w, w, 1);
+    for (int x = 0; x < w; x++)
+        divide_line(v + x, h, w);
+}
+
+/* A of level l at a place whose steepest pixel is `most`. */
+static double scale_at(const struct gp_sky *s, int l, double most)
+{
+    const double a = s->ratio * ldexp(most, l);
+    return a * a;
+}
+
+double gp_sky_term(const struct gp_sky *s, int l, bool last, const double at[2],
+                   const double from[2], double most)
+{
+    const struct gp_projection *const p = &s->p.projection;
+    const int order = l <= 3 ? 2 : 1; // 64 pixels away means are within 2e-4
+    return gp_sky_mean(&s->light, p, scale_at(s, l, most),
+                       last ? 0.0 : scale_at(s, l + 1, most), order, at, from);
+}
+
+/* Returns under which share of the level's light a weight is negligible: a term fades
+ * out where the next one takes over, and divided splines ring beyond. Where light is
+ * even a term is but little of it anywhere, and so is what counts. */
+static double negligible_at(const struct gp_sky *s, int l, double most)
+{
+    const double a = scale_at(s, gp_max(l, 1), most), c = l ? 0.0 : most * most;
+    const double whole = gp_sky_soft(&s->light, l ? a : 0.0, c);
+    const double next =
+        gp_sky_soft(&s->light, l ? scale_at(s, l + 1, most) : a, c);
+    return s->negligible * fabs(whole - next) / whole;
+}
+
+static bool is_negligible(const struct gp_sky *s, int l, const double at[2],
+                          const double from[2], double most, double share,
+                          double weight)
+{
+    const double c =
+        gp_projection_chord2(&s->p.projection, at[0], at[1], from[0], from[1]);
+    return fabs(weight) <
+           share * gp_sky_soft(&s->light, scale_at(s, gp_max(l, 1), most), c);
+}
+
+void gp_sky_weigh_level(const struct gp_sky *s, int l, const double at[2],
+                        double most, double *v, float *out)
+{
+    const struct gp_sky_level *const g = &s->level[l];
+    const int w = 2 * g->rx + 1, h = 2 * g->ry + 1;
+    const double share = negligible_at(s, l, most);
+    for (int pass = 0; pass < 2; pass++) {
+        for (int i = 0; i < w * h; i++) {
+            const int x = i % w, y = i / w;
+            const double from[2] = {at[0] - (x - g->rx) * g->step,
+                                    at[1] - (y - g->ry) * g->step};
+            if (pass == 0)
+                v[i] = gp_sky_term(s, l, false, at, from, most);
+            else
+                out[(size_t) y * g->pitch + (size_t) x] =
+                    is_negligible(s, l, at, from, most, share, v[i])
+                        ? 0.0f
+                        : (float) v[i];
+        }
+        if (pass == 0) // the term ends: nothing is beyond
+            gp_sky_divide(v, w, h);
+    }
+}
+
+double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
+                           double most, double *v, float *out)
+{
+    const struct gp_sky_level *const g = &s->level[0];
+    const struct gp_projection *const p = &s->p.projection;
+    const int w = 2 * g->rx + 1, h = 2 * g->ry + 1;
+    const double a = scale_at(s, 1, most), share = negligible_at(s, 0, most);
+    memset(v, 0, (size_t) w * (size_t) h * sizeof *v);
+    gp_sky_rings(&s->light, p, at, g->rx, g->ry, v);
+    for (int i = 0; i < w * h; i++) {
+        const int x = i % w - g->rx, y = i / w - g->ry;
+        const double from[2] = {at[0] - x, at[1] - y};
+        const double c =
+            gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
+        const double away = sqrt(c) / most;
+        const double solid = gp_projection_solid(p, from[0], from[1]);
+        if (c > a * (1.0 + 2.0 / s->ratio))
+            v[i] = 0.0;       // soft light is as it is
+        else if (away >= 2.0) // nearer, rings have it
+            v[i] = solid * gp_sky_mean(&s->light, p, 0.0, 0.0,
+                                       gp_sky_order(away), at, from);
+        if (v[i] != 0.0) // the soft part as its own level has it
+            v[i] -= solid * gp_sky_mean(&s->light, p, a, 0.0, 2, at, from);
+        const bool none = (!x && !y) || is_negligible(s, 0, at, from, most,
+                                                      share, v[i] / solid);
+        out[(size_t) (i / w) * g->pitch + (size_t) (i % w)] =
+            none ? 0.0f : (float) v[i];
+    }
+    return v[g->ry * w + g->rx] + s->light.stays;
+}

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A lamp by true angles against its definition, and what a plane makes of it.
+
+Usage: angles.py GLAREPP [WIDTH HEIGHT]
+
+The definition is here once more, in double, by formulas of its own: light per steradian
+at the true angle, times the source's solid angle, its mean over both pixels (three Gauss
+points along each axis of each). Pixels 4 and more away from the lamp count. Prints, for
+each angle of view, model and place, rel_l2 by --projection perspective: by levels and as
+a lone lamp is summed (auto); how many pixels are within 0.5 %; its bound; and rel_l2 by
+--projection plane.
+"""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+GLAREPP = sys.argv[1]
+W, H = (int(v) for v in sys.argv[2:4]) if len(sys.argv) > 3 else (480, 270)
+MODELS = {
+    "eye": lambda t: 0.384 * 2.61e6 * np.exp(-(t / 0.02) ** 2) +
+    0.478 * 20.91 / (t + 0.02) ** 3 + 0.138 * 72.37 / (t + 0.02) ** 2,
+    "cie:age=70": lambda t: 0.92 * (9.2e6 / (1 + (t / 0.0046) ** 2) ** 1.5 +
+                                    1.5e5 / (1 + (t / 0.045) ** 2) ** 1.5) +
+    2.6 * (400 / (1 + (t / 0.1) ** 2) + 3e-8 * t * t +
+           0.5 * (1300 / (1 + (t / 0.1) ** 2) ** 1.5 +
+                  0.8 / (1 + (t / 0.1) ** 2) ** 0.5)) + 1.25e-3,
+}
+
+
+def write(path, image):
+    with open(path, "wb") as f:
+        f.write(b"PF\n%d %d\n-1.0\n" % (W, H))
+        f.write(image[::-1].astype("<f4").tobytes())
+
+
+def read(path):
+    with open(path, "rb") as f:
+        f.readline()
+        f.readline()
+        f.readline()
+        return np.frombuffer(f.read(), "<f4").reshape(H, W, 3)[::-1, :, 1].astype(float)
+
+
+def sphere(light):
+    """The light of a model over the sphere; behind 100 degrees as there."""
+    edge = np.concatenate([[0], np.geomspace(1e-7, 180.0, 400001)])
+    t = 0.5 * (edge[1:] + edge[:-1])
+    return np.sum(light(np.minimum(t, 100.0)) * 2 * np.pi * np.sin(np.radians(t)) *
+                  np.radians(np.diff(edge)))
+
+
+def definition(light, fov, px, py):
+    k = 2 * math.tan(math.radians(fov / 2)) / H
+    node, weight = np.polynomial.legendre.leggauss(3)
+    y, x = np.mgrid[0:H, 0:W]
+    total = np.zeros((H, W))
+    for a, b, c, d in np.ndindex(3, 3, 3, 3):
+        ax, ay = ((x + 0.5 + node[a] / 2 - W / 2) * k, (y + 0.5 + node[b] / 2 - H / 2) * k)
+        sx, sy = ((px + 0.5 + node[c] / 2 - W / 2) * k, (py + 0.5 + node[d] / 2 - H / 2) * k)
+        cross = np.sqrt((ax - sx) ** 2 + (ay - sy) ** 2 + (ax * sy - ay * sx) ** 2)
+        t = np.degrees(np.arctan2(cross, 1 + ax * sx + ay * sy))
+        total += weight[a] * weight[b] * weight[c] * weight[d] / 16 * \
+            light(np.minimum(t, 100.0))
+    x, y = (px + 0.5 - W / 2) * k, (py + 0.5 - H / 2) * k
+    return total * k * k / (1 + x * x + y * y) ** 1.5
+
+
+def main():
+    print("| fov | model | place | levels | auto | within 0.5 % | bound | plane |\n"
+          "|---|---|---|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        frame, layer, report = (os.path.join(folder, n) for n in ("f.pfm", "l.pfm", "r"))
+
+        def run(px, py, *words):
+            image = np.zeros((H, W, 3), np.float32)
+            image[py, px] = 1e6
+            write(frame, image)
+            subprocess.run([GLAREPP, "-q", "-t", "0", "--threshold-mode", "whole",
+                            "--edges", "black", "--layer", layer, "--report", report,
+                            *words, frame], check=True)
+            with open(report, encoding="utf-8") as f:
+                return read(layer) / 1e6, json.loads(f.readline())
+
+        y, x = np.mgrid[0:H, 0:W]
+        for fov in 30, 40, 60, 90, 120:
+            for model, light in MODELS.items():
+                whole = sphere(light)
+                for place in 0.5, 0.75, 0.98:
+                    px, py = int(W * place), int(H * place)
+                    want = definition(light, fov, px, py) / whole
+                    veil = np.hypot(x - px, y - py) >= 4
+                    row = []
+                    for way in (["-e", "fft", "--projection", "perspective"],
+                                ["--projection", "perspective"],
+                                ["--projection", "plane"]):
+                        got, facts = run(px, py, "-k", model, "--fov", str(fov), *way)
+                        off = got[veil] - want[veil]
+                        row.append(math.sqrt((off ** 2).sum() / (want[veil] ** 2).sum()))
+                        if not row[1:]:
+                            near = np.mean(abs(off) <= 5e-3 * want[veil])
+                            bound = facts["bound_angle"]
+                    print("| %g | %s | %g | %.1e | %.1e | %.1f %% | %.1e | %.3f |" %
+                          (fov, model, place, row[0], row[1], 100 * near, bound, row[2]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+/* glare/sky: levels against the sum as it is defined, that against integrals over
+ * pixels and a formula, the laws of light, and the bound. */
+#include "unit.h"
+#include "core/parallel.h"
+#include "glare/model/model_priv.h"
+#include "glare/sky/sky_priv.h"
+#include "glare_scene.h"
+#include "model_scene.h"
+
+static const float none[3];
+
+static struct gp_sky_params params(const char *recipe, int w, int h, double fov,
+                                   double tolerance)
+{
+    const struct gp_field field = scene_field(w, h, fov / h, 1.0);
+    struct gp_recipe r = scene_recipe(recipe);
+    struct gp_sky_params p = {
+        .n = 1,
+        .share = {gp_recipe_value(&r, "share")},
+        .w = w,
+        .h = h,
+        .tolerance = tolerance,
+        .projection = gp_projection_of(GP_PERSPECTIVE,
+                                       (struct gp_rect) {0, 0, w, h}, 1.0, fov),
+    };
+    p.projection.x0 -= 0.5;
+    p.projection.y0 -= 0.5;
+    assert_true(r.model->angular(&r, &field, &p.part[0]));
+    gp_recipe_free(&r);
+    return p;
+}
+
+static struct gp_sky *sky_of(const struct gp_sky_params *p)
+{
+    struct gp_sky *s = NULL;
+    assert_ok(gp_sky_make(NULL, p, &s));
+    return s;
+}
+
+/* n lamps at random, or one at a place. */
+static struct gp_sources lamps(int w, int h, int n, int x, int y)
+{
+    const struct gp_sources like = {.w = w, .h = h};
+    struct gp_sources s, blank;
+    struct gp_source *list = scene_alloc((size_t) n, sizeof *list);
+    uint32_t seed = 7u;
+    assert_ok(gp_sources_make(NULL, &like, 0, &blank));
+    gp_sources_finish(&blank);
+    for (int i = 0; i < n; i++) {
+        list[i].x = n == 1 ? x : (int) (scene_random(&seed) * (float) w);
+        list[i].y = n == 1 ? y : (int) (scene_random(&seed) * (float) h);
+        for (int c = 0; c < 3; c++)
+            list[i].rgb[c] = 100.0f * (0.5f + scene_random(&seed));
+    }
+    assert_ok(gp_sources_join(NULL, &blank, list, (size_t) n, &s));
+    gp_sources_free(&blank);
+    free(list);
+    return s;
+}
+
+static struct gp_planes layer_of(const struct gp_sky *sky,
+                                 const struct gp_sources *src)
+{
+    struct gp_planes p;
+    assert_ok(
+        gp_planes_make(NULL, "layer", (size_t) src->w * (size_t) src->h, &p));
+    assert_ok(gp_sky_add(NULL, sky, src, false, none, NULL, NULL, &p));
+    return p;
+}
+
+static double *exact_of(const struct gp_sky *sky, const struct gp_sources *src)
+{
+    const size_t n = 3 * (size_t) src->w * (size_t) src->h;
+    double *const v = scene_alloc(n, sizeof *v);
+    memset(v, 0, n * sizeof *v);
+    gp_sky_exact(sky, src, v);
+    return v;
+}
+
+/* Errors over the layer: of all of it; from 4 pixels from a lone lamp on; and the
+ * share of pixels whose veil is off by more than 0.5 %. */
+struct errors {
+    double all, veil, off;
+};
+
+static struct errors compare(const struct gp_sky *sky,
+                             const struct gp_sources *src)
+{
+    struct gp_planes got = layer_of(sky, src);
+    double *const want = exact_of(sky, src);
+    const size_t n = (size_t) src->w * (size_t) src->h;
+    double square[2] = {0}, norm[2] = {0};
+    size_t off = 0;
+    for (size_t i = 0; i < 3 * n; i++) {
+        const double v = want[i], d = (double) got.c[i / n][i % n] - v;
+        const int x = (int) (i % n) % src->w, y = (int) (i % n) / src->w;
+        const bool near =
+            src->n == 1 && hypot(x - src->x[0], y - src->box.y0) < 4.0;
+        for (int k = 0; k < (near ? 1 : 2); k++) {
+            square[k] += d * d;
+            norm[k] += v * v;
+        }
+        off += !near && fabs(d) > 5e-3 * v;
+    }
+    gp_planes_free(&got);
+    free(want);
+    return (struct errors) {sqrt(square[0] / norm[0]),
+                            sqrt(square[1] / norm[1]),
+                            (double) off / (double) (3 * n)};
+}
+
+static const char *const models[] = {"eye", "cie:age=70",
+                                     "moffat:share=.5,fwhm=.4,beta=1.5"};
+
+/* Within the bound, the veil within 2e-3, and 95 % of its pixels within 0.5 %; a
+ * hundred times less where a tolerance asks for it. */
+static void levels_are_the_sum(void **state)
+{
+    static const double fovs[] = {30, 40, 60, 90, 120};
+    static const double places[][2] = {{.5, .5}, {.75, .75}, {.985, .98}};
+    enum { W = 240, H = 135 };
+    (void) state;
+    for (size_t i = 0; i < COUNT(fovs) * COUNT(models); i++) {
+        const double fov = fovs[i / COUNT(models)];
+        const struct gp_sky_params p =
+            params(models[i % COUNT(models)], W, H, fov, 1e-3);
+        struct gp_sky *sky = sky_of(&p);
+        assert_non_null(sky);
+        const double bound = gp_sky_error_of(sky)->relative;
+        assert_true(bound < 1e-2);
+        for (size_t k = 0; k < COUNT(places); k++) {
+            struct gp_sources src = lamps(W, H, 1, (int) (W * places[k][0]),
+                                          (int) (H * places[k][1]));
+            const struct errors e = compare(sky, &src);
+            // (where a moffat turns from even light to a power it is steeper)
+            const double off = i % COUNT(models) < 2 ? 0.05 : 0.2;
+            if (e.all > bound || e.veil > 4e-3 || e.off > off)
+                print_message(
+                    "# %s at %g degrees, place %zu: %.2e of %.2e, veil "
+                    "%.2e, %.3f off\n",
+                    models[i % COUNT(models)], fov, k, e.all, bound, e.veil,
+                    e.off);
+            assert_true(e.all <= bound);
+            assert_true(e.veil <= 4e-3);
+            assert_true(e.off <= off);
+            gp_sources_free(&src);
+        }
+        gp_sky_free(&sky);
+    }
+}
+
+static void a_tolerance_is_kept(void **state)
+{
+    const struct gp_sky_params p = params("eye", 240, 135, 40.0, 1e-5);
+    struct gp_sky *sky = sky_of(&p);
+    struct gp_sources src = lamps(240, 135, 1, 180, 100);
+    (void) state;
+    const struct errors e = compare(sky, &src);
+    assert_true(e.all <= gp_sky_error_of(sky)->relative);
+    assert_true(e.veil < 6e-4);
+    gp_sources_free(&src);
+    gp_sky_free(&sky);
+}
+
+/* Few lights, as many as pixels, and lights on a lattice as fine as a block's. */
+static void many_lights_are_within_the_bound(void **state)
+{
+    enum { W = 150, H = 90 };
+    (void) state;
+    for (int fov = 35; fov <= 95; fov += 60) {
+        const struct gp_sky_params p = params("eye", W, H, fov, 1e-3);
+        struct gp_sky *sky = sky_of(&p);
+        for (int n = 10; n <= 1000; n *= 10) {
+            struct gp_sources src = lamps(W, H, n, 0, 0);
+            const struct errors e = compare(sky, &src);
+            assert_true(e.all <= gp_sky_error_of(sky)->relative);
+            assert_true(e.off <= 0.05);
+            gp_sources_free(&src);
+        }
+        gp_sky_free(&sky);
+    }
+}
+
+/* The light at a pixel by the formulas of the definition alone: the eye's, of true
+ * angles between points of both pixels. */
+static double eye_at(const struct gp_sky_params *p, const double at[2],
+                     const double from[2])
+{
+    enum { PARTS = 6 };
+    const double pi = acos(-1.0);
+    double sum = 0.0;
+    for (int i = 0; i < PARTS * PARTS * PARTS * PARTS; i++) {
+        double u[4];
+        for (int k = 0, rest = i; k < 4; k++, rest /= PARTS)
+            u[k] = (rest % PARTS + 0.5) / PARTS - 0.5;
+        const struct gp_v3 a =
+            gp_projection_direction(&p->projection, at[0] + u[0], at[1] + u[1]);
+        const struct gp_v3 b = gp_projection_direction(
+            &p->projection, from[0] + u[2], from[1] + u[3]);
+        const double t =
+            atan2(gp_v3_length(gp_v3_cross(a, b)), gp_v3_dot(a, b)) * 180.0 /
+            pi;
+        sum += 0.384 * 2.61e6 * exp(-pow(t / 0.02, 2.0)) +
+               0.478 * 20.91 / pow(t + 0.02, 3.0) +
+               0.138 * 72.37 / pow(t + 0.02, 2.0);
+    }
+    return sum / (PARTS * PARTS * PARTS * PARTS) *
+           gp_projection_solid(&p->projection, from[0], from[1]);
+}
+
+static void the_sum_is_as_defined(void **state)
+{
+    enum { W = 160, H = 90 };
+    static const int away[][2] = {{2, 0}, {0, 3},   {-3, 2},
+                                  {7, 1}, {-20, 9}, {-60, -40}};
+    (void) state;
+    for (int fov = 40; fov <= 100; fov += 60) {
+        const struct gp_sky_params p = params("eye", W, H, fov, 0.0);
+        struct gp_sky *sky = sky_of(&p);
+        for (int k = 0; k < 2; k++) {
+            struct gp_sources src =
+                lamps(W, H, 1, k ? W - 30 : W / 2, k ? H - 12 : H / 2);
+            double *const v = exact_of(sky, &src);
+            for (size_t i = 0; i < COUNT(away); i++) {
+                const double from[2] = {src.x[0], src.box.y0};
+                const double at[2] = {from[0] + away[i][0],
+                                      from[1] + away[i][1]};
+                const double want = eye_at(&p, at, from);
+                const double got = v[(size_t) at[1] * W + (size_t) at[0]] /
+                                   (double) src.rgb[0][0];
+                // (the formula's sum over the sphere is 1.002)
+                if (fabs(got / want - 1.0) > 8e-3)
+                    print_message("# fov %d, %d,%d away: %g, not %g\n", fov,
+                                  away[i][0], away[i][1], got, want);
+                assert_true(fabs(got / want - 1.0) <= 8e-3);
+            }
+            free(v);
+            gp_sources_free(&src);
+        }
+        gp_sky_free(&sky);
+    }
+}
+
+/* What a lamp spreads in the frame and beyond it is all of its light. */
+static void light_is_kept(void **state)
+{
+    enum { W = 240, H = 135 };
+    (void) state;
+    for (int fov = 30; fov <= 90; fov += 30) {
+        const struct gp_sky_params p = params("eye", W, H, fov, 1e-3);
+        struct gp_sky *sky = sky_of(&p);
+        for (int k = 0; k < 3; k++) {
+            const int x = k ? W - 2 - 100 * (k - 1) : W / 2;
+            const int y = k ? H - 1 : H / 2;
+            struct gp_sources src = lamps(W, H, 1, x, y);
+            struct gp_planes got = layer_of(sky, &src);
+            float row[W];
+            double sum = 0.0;
+            for (int i = 0; i < W * H; i++)
+                sum += (double) got.c[1][i] *
+                       gp_projection_solid(&p.projection, i % W, i / W);
+            sum /= (double) src.rgb[1][0] *
+                   gp_projection_solid(&p.projection, x, y);
+            const double out = gp_sky_outside(sky, x, y);
+            if (fabs(sum + out - gp_sky_light(sky)) >= 5e-4)
+                print_message("# fov %d, %d,%d: %g and %g of %g\n", fov, x, y,
+                              sum, out, gp_sky_light(sky));
+            assert_true(fabs(sum + out - gp_sky_light(sky)) < 5e-4);
+            assert_true(fabs(gp_sky_light(sky) - 1.0) < 1e-5);
+            gp_sky_outside_row(sky, y, row);
+            assert_true(fabs((double) row[x] - out) < 1e-3);
+            gp_planes_free(&got);
+            gp_sources_free(&src);
+        }
+        gp_sky_free(&sky);
+    }
+}
+
+/* The same bytes by any number of threads; twice the light, twice the layer; and what
+ * a kernel has taken of a pixel's light is given back with it. */
+static void laws_hold(void **state)
+{
+    enum { W = 200, H = 120, N = W * H };
+    const struct gp_sky_params p = params("eye", W, H, 50.0, 1e-3);
+    struct gp_sky *sky = sky_of(&p), *less = sky_of(&p);
+    struct gp_sources src = lamps(W, H, 500, 0, 0);
+    (void) state;
+    struct gp_planes one = layer_of(sky, &src);
+    gp_set_threads(5);
+    struct gp_sky *again = sky_of(&p);
+    struct gp_planes other = layer_of(again, &src);
+    gp_set_threads(0);
+    assert_memory_equal(one.c[0], other.c[0], N * sizeof(float));
+    assert_memory_equal(one.c[2], other.c[2], N * sizeof(float));
+    const float taken = (float) gp_sky_give(less);
+    const float more[3] = {taken, taken, taken};
+    assert_true(taken > 0.1f && gp_sky_given(less) == (double) taken);
+    assert_ok(gp_sky_add(NULL, less, &src, false, more, NULL, NULL, &other));
+    for (int i = 0; i < N; i++)
+        assert_true(fabsf(one.c[1][i] - other.c[1][i]) <= 1e-6f * one.c[1][i]);
+    for (size_t i = 0; i < 3 * src.n; i++)
+        src.rgb[i % 3][i / 3] *= 2.0f;
+    assert_ok(gp_sky_add(NULL, sky, &src, true, none, NULL, NULL, &one));
+    struct gp_planes twice = layer_of(sky, &src);
+    for (int i = 0; i < N; i++)
+        assert_true(fabsf(one.c[0][i] - 1.5f * twice.c[0][i]) <=
+                    1e-5f * one.c[0][i]);
+    gp_planes_free(&one);
+    gp_planes_free(&other);
+    gp_planes_free(&twice);
+    gp_sources_free(&src);
+    gp_sky_free(&sky);
+    gp_sky_free(&less);
+    gp_sky_free(&again);
+}
+
+/* Frames of one pixel, one wide, shifted and anamorphic axes, and what no level
+ * serves. */
+static void hard_frames_are_served(void **state)
+{
+    static const struct {
+        int w, h;
+        double fov, x, y, aspect;
+        bool served;
+    } hard[] = {
+        {1, 1, 2, 0, 0, 1, true},        {1, 200, 40, 0, 0, 1, true},
+        {301, 1, 0.5, 0, 0, 1, true},    {97, 61, 40, 30, -20, 1, true},
+        {97, 61, 40, 0, 0, 2, true},     {97, 61, 0.001, 0, 0, 1, true},
+        {97, 61, 179.9, 0, 0, 1, false}, {8, 8, 90, 0, 0, 1, false},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(hard); i++) {
+        const int w = hard[i].w, h = hard[i].h;
+        struct gp_sky_params p = params("eye", w, h, hard[i].fov, 1e-3);
+        p.projection.x0 += hard[i].x;
+        p.projection.y0 += hard[i].y;
+        p.projection.dx *= hard[i].aspect;
+        struct gp_sky *sky = sky_of(&p);
+        assert_true((sky != NULL) == hard[i].served);
+        if (!sky)
+            continue;
+        struct gp_sources src = lamps(w, h, 1, w / 3, h / 3);
+        const struct errors e = compare(sky, &src);
+        if (!(e.all <= gp_sky_error_of(sky)->relative))
+            print_message("# row %zu: %.2e of %.2e\n", i, e.all,
+                          gp_sky_error_of(sky)->relative);
+        assert_true(e.all <= gp_sky_error_of(sky)->relative);
+        gp_sources_free(&src);
+        gp_sky_free(&sky);
+    }
+}
+
+SUITE_OF(sky, NULL, NULL, levels_are_the_sum, a_tolerance_is_kept,
+         many_lights_are_within_the_bound, the_sum_is_as_defined, light_is_kept,
+         laws_hold, hard_frames_are_served)
