@@ -522,7 +522,7 @@ struct glarepp_tone_params {
  *   PLANE        degrees are proportional to pixels, and a kernel is the same
  *                everywhere: of pictures of no camera
  *   PERSPECTIVE  as a camera's: by its matrices, else by the angle of view */
-enum glarepp_projection { GLAREPP_PLANE, GLAREPP_PERSPECTIVE };
+enum { GLAREPP_PLANE, GLAREPP_PERSPECTIVE };
 
 /* NULL: no lights, no lens, no scene; the defaults of the others. */
 struct glarepp_plan_params {
@@ -531,7 +531,7 @@ struct glarepp_plan_params {
                                          // builtin:eye
     double fov;            // vertical angle of the display window, to 180; 0:
                            // that of its camera, lens or scene, else 30
-    enum glarepp_projection projection; // of frames
+    int projection;        // of frames: GLAREPP_PLANE or another
     double rotate;         // of the kernel, degrees counter-clockwise
     const struct glarepp_sense_params *sense;
     const struct glarepp_layer_params *layer;

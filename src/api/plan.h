@@ -87,7 +87,7 @@ struct glarepp_plan {
     struct gp_log log;             // the context's
     // parameters
     double fov, rotate;            // degrees; fov 0: by the frame
-    enum glarepp_projection projection;
+    int projection;
     struct glarepp_sense_params sense;
     struct gp_glare_params glare;
     struct gp_compose_params compose;

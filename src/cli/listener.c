@@ -67,6 +67,7 @@ static const struct hint hints[] = {
     HINT("lights.wide", "name a light with --sun or --lights FILE")
     HINT("params.bridges", "put it beside the program, or leave --ocio out")
     HINT("plan.fov", "check --fov")
+    HINT("plan.projection", "use another --engine, or --projection plane")
     HINT("plan.rotate", "use --rotate 0, 90, 180 or 270")
     HINT("scene.camera", "give one of them to --scene-camera")
     HINT("scene.camera_normals", "give --scene-up or --normal-space")

@@ -268,7 +268,7 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
         for (int c = 0; c < 3; c++)
             wrong += (double) f->luminance[c] * (double) gain *
                      ((double) layer->c[c][i] - exact[(size_t) c * n + i]);
-        if (wrong != 0.0 && !isnan(wrong))
+        if (wrong != 0.0 && !isnan(exact[i]))
             max_rel = worse(max_rel, fabs(wrong) / (fmax(composite, 0.0) +
                                                     1e-6 * peak));
     }

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A lamp by true angles against its definition, and what a plane makes of it.
 
-Usage: angles.py GLAREPP [WIDTH HEIGHT]
+Usage: angles.py GLAREPP [FRAMES]
 
 The definition is here once more, in double, by formulas of its own: light per steradian
 at the true angle, times the source's solid angle, its mean over both pixels (three Gauss
@@ -10,10 +10,15 @@ points along each axis of each). Pixels 4 and more away from the lamp count. Pri
 each angle of view, model and place, rel_l2 by --projection perspective: by levels and as
 a lone lamp is summed (auto); how many pixels are within 0.5 %; its bound; and rel_l2 by
 --projection plane.
+
+With FRAMES, the folder that frames.py fills, also the time of the glare stage and the
+memory by perspective over those by plane, at three angles: medians of frames that
+follow the first, runs in turn.
 """
 import json
 import math
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -21,7 +26,7 @@ import tempfile
 import numpy as np
 
 GLAREPP = sys.argv[1]
-W, H = (int(v) for v in sys.argv[2:4]) if len(sys.argv) > 3 else (480, 270)
+W, H = 480, 270
 MODELS = {
     "eye": lambda t: 0.384 * 2.61e6 * np.exp(-(t / 0.02) ** 2) +
     0.478 * 20.91 / (t + 0.02) ** 3 + 0.138 * 72.37 / (t + 0.02) ** 2,
@@ -109,5 +114,40 @@ def main():
                           (fov, model, place, row[0], row[1], 100 * near, bound, row[2]))
 
 
+def speeds(frames):
+    print("| fov | frame | ms, plane | perspective, over it | first frame | kernel, ms | "
+          "memory |\n|---|---|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        for fov in 20, 40, 90:
+            for name in "w1", "w2", "w3":
+                for i in range(1, 6):
+                    link = os.path.join(folder, "%s.%d.exr" % (name, i))
+                    if not os.path.exists(link):
+                        os.symlink(os.path.join(frames, name + "_1920.exr"), link)
+                rows = {"plane": [], "perspective": []}
+                for _ in range(3):
+                    for way, found in rows.items():
+                        subprocess.run(
+                            [GLAREPP, "-q", "-k", "eye", "--fov", str(fov),
+                             "--projection", way, "--layer", folder + "/l.@.pfm",
+                             "--report", folder + "/r",
+                             os.path.join(folder, name + ".@.exr")], check=True)
+                        with open(folder + "/r", encoding="utf-8") as f:
+                            found.append([json.loads(line) for line in f])
+                ms, first, kernel, memory = (
+                    {way: statistics.median(get(r) for run in runs for r in run[a:b])
+                     for way, runs in rows.items()}
+                    for a, b, get in ((1, 5, lambda r: r["times_ms"]["glare"]),
+                                      (0, 1, lambda r: r["times_ms"]["glare"]),
+                                      (0, 1, lambda r: r["times_ms"]["kernel"]),
+                                      (4, 5, lambda r: r["peak_rss_mib"])))
+                print("| %g | %s | %.1f | %.2f | %.2f | %.1f, %.1f | %.2f |" %
+                      (fov, name, ms["plane"], ms["perspective"] / ms["plane"],
+                       first["perspective"] / first["plane"], kernel["plane"],
+                       kernel["perspective"], memory["perspective"] / memory["plane"]))
+
+
 if __name__ == "__main__":
     main()
+    if len(sys.argv) > 2:
+        speeds(sys.argv[2])

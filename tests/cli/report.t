@@ -18,7 +18,7 @@ quiet_success '--report'
 is "$(wc -l <r.json)" 1 'one line a frame'
 is "$(field r.json 'list(o)')" "['input', 'outputs', 'style', 'command', 'width', 'height', 'window', \
 'engine', 'engine_why', 'threshold', 'sources', 'fft_size', 'flux_in', 'deg_per_pixel', \
-'fov_from', 'kernel', 'kernel_left_out', 'flux_out', 'bound', 'measured', 'nonfinite', \
+'fov_from', 'projection', 'kernel', 'kernel_left_out', 'flux_out', 'bound', 'measured', 'nonfinite', \
 'clamped', 'depth', 'times_ms', 'cpu_ms', 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
 'schema']" 'the fields of an fft run'
 is "$(field r.json 'o["input"], o["outputs"]')" \
@@ -26,7 +26,7 @@ is "$(field r.json 'o["input"], o["outputs"]')" \
 is "$(field r.json 'o["width"], o["height"]')" '(64, 48)' 'width and height'
 is "$(field r.json 'o["engine"], o["sources"] > 0')" "('fft', True)" 'engine'
 is "$(field r.json 'sorted(o["measured"])')" \
-    "['flux_error', 'max_abs', 'max_rel', 'rel_l2']" 'measured'
+    "['flux_error', 'max_abs', 'max_rel', 'pixels', 'rel_l2']" 'measured'
 is "$(field r.json '0 < o["measured"]["rel_l2"] <= o["bound"] < 1e-3')" True \
     'measured is within the bound'
 is "$(field r.json 'o["depth"]')" "{'channel': 'Z', 'type': 'float'}" 'depth'

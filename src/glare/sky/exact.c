@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The layer as it is defined, sample by sample, in double. */
-#include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/sky/sky_priv.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct exact {
     const struct gp_sky *sky;
@@ -25,48 +25,59 @@ static double share_of(const struct gp_sky *s, const double at[2],
                        from);
 }
 
+/* Pixels around one within two of its longest sides, the longest pixel that levels
+ * serve being 16 times as long as wide. */
+enum { NEAR = 34, SIDE = 2 * NEAR + 1 };
+
+/* The sums of pixel (x, y); `near`: scratch of its rings. */
+static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
+                      int x, int y, double near[SIDE * SIDE], double sum[3])
+{
+    const struct gp_projection *const p = &s->p.projection;
+    const double at[2] = {x, y};
+    const struct gp_sky_ellipse o = gp_sky_ellipse_at(p, x, y);
+    const int rx = gp_min((int) ceil(2.0 * o.most * o.x) + 1, NEAR);
+    const int ry = gp_min((int) ceil(2.0 * o.most * o.y) + 1, NEAR);
+    bool known = false;
+    for (int sy = 0; sy < src->h; sy++) {
+        for (uint32_t i = src->row[sy]; i < src->row[sy + 1]; i++) {
+            const double from[2] = {src->x[i], sy};
+            const int dx = x - src->x[i], dy = y - sy;
+            const double c = gp_projection_chord2(p, x, y, from[0], sy);
+            double share;
+            if (c >= 4.0 * o.most * o.most || abs(dx) > rx || abs(dy) > ry) {
+                share = share_of(s, at, from, o.most);
+            } else {
+                if (!known) {
+                    memset(near, 0, SIDE * SIDE * sizeof *near);
+                    gp_sky_rings(&s->light, p, at, rx, ry, near);
+                }
+                known = true;
+                share = near[(dy + ry) * (2 * rx + 1) + dx + rx];
+                if (!dx && !dy)
+                    share += s->light.stays - s->given;
+            }
+            for (size_t k = 0; k < 3; k++)
+                sum[k] += share * (double) src->rgb[k][i];
+        }
+    }
+}
+
 static void exact_row(void *ctx, int y, int thread)
 {
     const struct exact *const e = ctx;
     const struct gp_sources *const src = e->src;
-    const struct gp_projection *const p = &e->sky->p.projection;
     const size_t w = (size_t) src->w, plane = w * (size_t) src->h;
+    double near[SIDE * SIDE];
     (void) thread;
     for (int x = 0; x < src->w; x++) {
-        const double at[2] = {x, y};
-        const struct gp_sky_ellipse o = gp_sky_ellipse_at(p, x, y);
-        const int rx = (int) ceil(2.0 * o.most * o.x) + 1;
-        const int ry = (int) ceil(2.0 * o.most * o.y) + 1;
-        double *near = NULL, sum[3] = {0};
-        if (isnan(e->layer[(size_t) y * w + (size_t) x]))
+        const size_t i = (size_t) y * w + (size_t) x;
+        double sum[3] = {0};
+        if (isnan(e->layer[i]))
             continue;
-        for (int sy = 0; sy < src->h; sy++) {
-            for (uint32_t i = src->row[sy]; i < src->row[sy + 1]; i++) {
-                const double from[2] = {src->x[i], sy};
-                const int dx = x - src->x[i], dy = y - sy;
-                const double c = gp_projection_chord2(p, x, y, from[0], sy);
-                double share;
-                if (c >= 4.0 * o.most * o.most) {
-                    share = share_of(e->sky, at, from, o.most);
-                } else {
-                    const size_t n =
-                        (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
-                    if (!near &&
-                        gp_alloc_zero(NULL, "exact", n, sizeof *near, &near))
-                        abort();
-                    if (near[0] == 0.0 && near[n / 2] == 0.0)
-                        gp_sky_rings(&e->sky->light, p, at, rx, ry, near);
-                    share = near[(dy + ry) * (2 * rx + 1) + dx + rx];
-                    if (!dx && !dy)
-                        share += e->sky->light.stays - e->sky->given;
-                }
-                for (size_t k = 0; k < 3; k++)
-                    sum[k] += share * (double) src->rgb[k][i];
-            }
-        }
-        gp_free(near);
+        sum_pixel(e->sky, src, x, y, near, sum);
         for (size_t k = 0; k < 3; k++)
-            e->layer[k * plane + (size_t) y * w + (size_t) x] += sum[k];
+            e->layer[k * plane + i] += sum[k];
     }
 }
 
