@@ -34,7 +34,7 @@ gp_status gp_sky_grid_make(const struct gp_log *log,
     struct gp_sky_grid t = {
         .w = g->w, .h = g->h, .rx = g->rx + LANES, .ry = g->ry};
     t.pitch = gp_sky_row_room(g->w + 2 * t.rx);
-    const size_t rows = (size_t) (t.h + 2 * t.ry + ROWS);
+    const size_t rows = (size_t) t.h + 2 * (size_t) t.ry + ROWS;
     t.before = (size_t) t.ry * t.pitch + (size_t) t.rx;
     gp_status st =
         gp_alloc_zero(log, "layer", 3 * rows * t.pitch, sizeof(float), &t.v[0]);
@@ -120,9 +120,9 @@ float *gp_sky_weights_open(const struct gp_sky *s, int l, int first, int n,
     w->value = w->places + columns * g->size;
     w->slope = w->value + rows * w->pitch;
     memset(w->value, 0, 2 * rows * w->pitch * sizeof *w->value);
-    w->known = (bool *) (w->slope + rows * w->pitch);
+    w->known = (bool *) (void *) (w->slope + rows * w->pitch);
     memset(w->known, 0, columns);
-    w->span = (short *) (w->slope + rows * w->pitch + columns);
+    w->span = (short *) (void *) (w->slope + rows * w->pitch + columns);
     w->laid = w->span + 2 * rows;
     memset(w->laid, 0, 2 * rows * sizeof *w->laid);
     return w->slope + rows * w->pitch + columns + 2 * rows + BLOCK;
@@ -138,32 +138,32 @@ GP_CLONES_WIDE static void add_four(const float *const from[4],
                 at[3] * from[3][i];
 }
 
-/* The same for the spans of `rows` rows of `n`, which go to rows of `pitch`. With
- * `slope` the sum is the next block's, `block` columns on, and what its slope leads to
- * this one's. */
-GP_CLONES static void add_rows(const float *const from[4], const float at[4],
-                               int rows, const short *span, size_t n,
-                               size_t pitch, float block, float *restrict value,
-                               float *restrict slope)
+/* The same to the weights of a block, as far as they are laid. `next`: the sum is the
+ * next block's, and what this one's slope leads to becomes its value. */
+GP_CLONES static void add_rows(const struct gp_sky_weights *w,
+                               const float *const from[4], const float at[4],
+                               bool next)
 {
-    const float step = 1.0f / block;
-    for (int j = 0; j < rows; j++) {
-        const size_t row = (size_t) j * n, to = (size_t) j * pitch;
-        for (int k = span[2 * j] / LANES * LANES; k < span[2 * j + 1];
-             k += LANES) {
-            const size_t i = (size_t) k;
+    const struct gp_sky_level *const g = w->g;
+    const float block = (float) g->block, step = 1.0f / block;
+    for (int j = 0; j <= 2 * g->ry; j++) {
+        const size_t row = (size_t) j * g->pitch;
+        float *const value = w->value + PAD + (size_t) j * w->pitch;
+        float *const slope = w->slope + PAD + (size_t) j * w->pitch;
+        for (int i = w->laid[2 * j] / LANES * LANES; i < w->laid[2 * j + 1];
+             i += LANES) {
             const lanes v = at[0] * *(const loose *) (from[0] + row + i) +
                             at[1] * *(const loose *) (from[1] + row + i) +
                             at[2] * *(const loose *) (from[2] + row + i) +
                             at[3] * *(const loose *) (from[3] + row + i);
-            loose *const here = (loose *) (value + to + i);
-            if (!slope) {
+            loose *const here = (loose *) (value + i);
+            loose *const by = (loose *) (slope + i);
+            if (next) {
+                *here += block * *by;
+                *by = (v - *here) * step;
+            } else {
                 *here = v;
-                continue;
             }
-            loose *const by = (loose *) (slope + to + i);
-            *here += block * *by;
-            *by = (v - *here) * step;
         }
     }
 }
@@ -239,7 +239,6 @@ static void widen_laid(struct gp_sky_weights *w)
 void gp_sky_find_block(struct gp_sky_weights *w, int i)
 {
     const struct gp_sky_level *const g = w->g;
-    const int rows = 2 * g->ry + 1;
     const float *from[4];
     if (w->spans != g->column[i].place) {
         find_spans(w, g->column[i].place);
@@ -248,8 +247,7 @@ void gp_sky_find_block(struct gp_sky_weights *w, int i)
     // where the last block was another than the one before, its end is not known
     for (int k = w->column == i ? i + 1 : i; k <= i + 1; k++) {
         point_at(w, &g->column[k], from);
-        add_rows(from, g->column[k].at, rows, w->laid, g->pitch, w->pitch,
-                 (float) g->block, w->value + PAD, w->slope + PAD);
+        add_rows(w, from, g->column[k].at, true);
     }
     w->column = i + 1;
 }
@@ -287,7 +285,7 @@ void gp_sky_find_factors(const struct gp_sky_weights *w, int i, int n,
         const struct gp_sky_level *const g = w->g;                            \
         const ptrdiff_t pitch = (ptrdiff_t) light->pitch;                     \
         for (int at = 0; at < g->block; at += N) {                            \
-            vector a[ROWS][3] = {0}, lane;                                    \
+            vector a[ROWS][3] = {0}, lane = {0};                              \
             for (int k = 0; k < N; k++)                                       \
                 lane[k] = (float) (at + k);                                   \
             for (int j = 0; j <= 2 * g->ry; j++) {                            \
@@ -403,8 +401,7 @@ void gp_sky_sum_nodes(const struct gp_sky *s, int l, int row,
             widen_laid(&w);
         }
         point_at(&w, b, from);
-        add_rows(from, b->at, 2 * g->ry + 1, w.laid, g->pitch, w.pitch, 1.0f,
-                 w.value + PAD, NULL);
+        add_rows(&w, from, b->at, false);
         sum_node(&w, light, x, y, sum);
         for (size_t c = 0; c < 3; c++)
             to[c * across + (size_t) x] = sum[c];
