@@ -198,9 +198,9 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                     worse_bound(p, &other) < worse_bound(p, out)))
             *out = other;
     }
-    static const double AT_ONCE = 2e5, MINUTES = 2e9;
+    static const double AT_ONCE = 2e5, SECONDS = 2e7;
     if (!st && (is_short(req, AT_ONCE) ||
-                (!is_within(p, out) && (req->far || is_short(req, MINUTES)))))
+                (!is_within(p, out) && (req->far || is_short(req, SECONDS)))))
         st = try_whole(req, g, floor, out);
     if (st)
         return st;

@@ -388,6 +388,7 @@ static gp_status open_parts(const struct gp_log *log, const struct gp_recipe *r,
     gp_status st = open_mixture(log, r, n, field, any ? &p : NULL, m);
     if (st || !p.n)
         return st;
+    p.stays = m->stays;
     st = gp_sky_make(log, &p, sky);
     if (!st && *sky) {
         m->stays += gp_sky_give(*sky);

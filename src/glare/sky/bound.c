@@ -130,13 +130,16 @@ static double error_at(const struct gp_sky *s, int x, int y,
     double wrong = 0.0, right = 0.0, levels = 0.0;
     for (int i = 0; i < a->w * a->h; i++) {
         wrong += a->wrong[i] * a->wrong[i];
-        right += a->right[i] * a->right[i];
+        const double v =
+            a->right[i] + (i == a->w * a->h / 2 ? s->p.stays : 0.0);
+        right += v * v;
     }
     for (int l = 1; l < s->levels; l++) {
         const double e = level_error(s, l, at);
         levels += e * e;
     }
-    return sqrt(wrong / right) + sqrt(levels) / (s->spread + s->light.stays);
+    return sqrt(wrong / right) +
+           sqrt(levels) / (s->spread + s->light.stays + s->p.stays);
 }
 
 static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,

@@ -39,7 +39,7 @@ gp_status gp_sky_light_make(const struct gp_log *log,
 {
     static const double H = 1e-3;       // of chord^2, for slopes
     static const double NEAREST = 1e-3; // of a pixel: nearer light is even
-    struct gp_sky_light l = {.stays = p->stays, .nearest = INFINITY};
+    struct gp_sky_light l = {.nearest = INFINITY};
     for (int i = 0; i < 5; i++) { // corners, and the axis
         const double x = i < 4 ? (i & 1) * (p->w - 1.0) : p->projection.x0;
         const double y = i < 4 ? (i >> 1) * (p->h - 1.0) : p->projection.y0;

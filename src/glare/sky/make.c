@@ -245,23 +245,26 @@ out:
     return st;
 }
 
-gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
-                      struct gp_sky **out)
+/* Makes what the first scale is so many steps for. */
+static gp_status make_ratio(const struct gp_log *log,
+                            const struct gp_sky_params *p, double ratio,
+                            struct gp_sky **out)
 {
+    static const double MIDDLE = 1e-3; // pixels that weights do not notice
     gp_status st;
     struct gp_sky *s = NULL;
     struct making m = {0};
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
     s->p = *p;
-    s->ratio = p->tolerance > 0.0 && p->tolerance < 1e-4 ? 8.0 : 4.0;
-    s->negligible = s->ratio > 4.0 ? 1e-5 : 4e-3;
+    s->ratio = ratio;
+    s->negligible = ratio > 6.0 ? 1e-5 : 4e-3;
     if (!is_served(s))
         goto out;
     GP_TRY(gp_sky_light_make(log, p, &s->light));
     count_levels(s);
     gp_sky_lay_places(s);
-    s->even[0] = fabs(p->projection.x0 - 0.5 * (p->w - 1)) < 1e-6;
-    s->even[1] = fabs(p->projection.y0 - 0.5 * (p->h - 1)) < 1e-6;
+    s->even[0] = fabs(p->projection.x0 - 0.5 * (p->w - 1)) < MIDDLE;
+    s->even[1] = fabs(p->projection.y0 - 0.5 * (p->h - 1)) < MIDDLE;
     size_levels(s);
     GP_TRY(alloc_levels(log, s, &m));
     m.s = s;
@@ -277,6 +280,24 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
 out:
     gp_sky_free(&s);
     gp_free(m.scratch);
+    return st;
+}
+
+gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
+                      struct gp_sky **out)
+{
+    // pixels that are summed one by one grow with its square, errors fall with its
+    // fourth power
+    static const double RATIOS[] = {4.0, 5.0, 8.0};
+    enum { LAST = 2 };
+    const double tolerance = p->tolerance > 0.0 ? p->tolerance : 1e-3;
+    gp_status st = GP_OK;
+    for (int i = tolerance < 1e-4 ? LAST : 0; i <= LAST && !st; i++) {
+        gp_sky_free(out);
+        st = make_ratio(log, p, RATIOS[i], out);
+        if (!*out || (*out)->error.relative <= 0.99 * tolerance)
+            break;
+    }
     return st;
 }
 

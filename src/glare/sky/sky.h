@@ -37,8 +37,9 @@
 struct gp_sky_params {
     int n; // models
     struct gp_angular part[GP_RECIPES];
-    double share[GP_RECIPES];        // of each
-    double stays;                    // other light that stays in its pixel
+    double share[GP_RECIPES]; // of each
+    double stays; // other light that stays in its pixel, of which an error is
+                  // the less a share
     struct gp_projection projection; // not PLANE; places count from the frame's
                                      // corner
     int w, h;                        // of the frame, pixels
