@@ -518,7 +518,7 @@ struct glarepp_tone_params {
 
 // -- plans --------------------------------------------------------------------
 
-/* Where a frame's pixels look, for models by angle.
+/* Directions of a frame's pixels, for models by angle.
  *   PLANE        degrees are proportional to pixels, and a kernel is the same
  *                everywhere: of pictures of no camera
  *   PERSPECTIVE  as a camera's: by its matrices, else by the angle of view */

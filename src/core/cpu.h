@@ -20,7 +20,7 @@
 #define GP_CLONES_WIDE \
     __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #define GP_WIDE __attribute__((target("arch=x86-64-v4")))
-/* Whether functions of GP_WIDE can run. */
+/* Returns true where functions of GP_WIDE can run. */
 static inline bool gp_cpu_wide(void)
 {
     return __builtin_cpu_supports("avx512f") &&

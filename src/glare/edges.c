@@ -380,7 +380,8 @@ GP_CLONES static void add_light(float *restrict layer,
     }
 }
 
-/* What samples leave out of a kernel, which comes from outside: none of the sky. */
+/* The light that samples leave out of a kernel, which comes from outside: none of
+ * the sky. */
 static double rest_of(const struct gp_kernel *k)
 {
     return k->sky ? 0.0 : k->left_out;
@@ -463,7 +464,7 @@ out:
     return st;
 }
 
-/* What the sky of a kernel has outside, for pixels that are not left out. */
+/* The share of the sky outside, for pixels that are not left out. */
 struct outer {
     const struct gp_sky *sky;
     const double *layer;

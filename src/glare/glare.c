@@ -298,8 +298,6 @@ static gp_status draw_sky(const struct gp_log *log,
         stays[c] = k->k.c[c][0];
     if (!alone || req->exact)
         st = gp_engines[engine->engine]->run(req, &d->g->state[engine->engine]);
-    if (!alone && !req->exact)
-        req->stats->bound_angle = gp_sky_error_of(d->kernel->sky)->relative;
     if (st || req->exact)
         return st ? st : add_exact(log, d);
     req->stats->bound_angle = gp_sky_error_of(d->kernel->sky)->relative;

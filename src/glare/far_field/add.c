@@ -56,19 +56,11 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
     memcpy(z + r->nx - rx, row - rx, (size_t) rx * sizeof *z);
 }
 
-/* A frequency of an axis, in periods a step: the transform of the spline's own
- * samples; and over that, `kept` of the band by the spline, and the sum and the
- * sum of squares of it and its images. */
-struct keeping {
-    double own, kept, sum, square;
-    bool edge; // near the end of the band, whose half is 0.5
-};
-
-static struct keeping keep_of(double f)
+struct gp_far_keeping gp_far_keep_of(double f)
 {
     enum { IMAGES = 4 };
     static const double EDGE = 0.45;
-    struct keeping k = {
+    struct gp_far_keeping k = {
         .own = (2.0 + gp_cos(2.0 * M_PI * f)) / 3.0,
         .edge = fabs(f) > EDGE,
     };
@@ -99,12 +91,13 @@ struct limits {
 /* Adds a column of the spectrum, one lane of its points, of frequency u across
  * and as many as `twice` alike, to l. */
 GP_CLONES static void limit_column(const float *restrict z, double scale,
-    const struct keeping *u, const struct keeping *down, int ny, double twice,
-    struct limits *l)
+                                   const struct gp_far_keeping *u,
+                                   const struct gp_far_keeping *down, int ny,
+                                   double twice, struct limits *l)
 {
     double most = l->most, edge = l->edge, sum = 0.0, squares = 0.0;
     for (int y = 0; y < ny; y++) {
-        const struct keeping *const v = &down[y];
+        const struct gp_far_keeping *const v = &down[y];
         const double own = u->own * v->own;
         const float *const at = z + 2 * GP_FLOAT_LINES * y;
         const double re = (double) at[0], im = (double) at[GP_FLOAT_LINES];
@@ -136,17 +129,18 @@ static gp_status find_error(const struct gp_log *log, const struct gp_far_field 
     const double step = t->split.step, area = step * step;
     const double points = (double) nx * ny;
     struct gp_far_error e = {.rounding = ROUNDINGS * 0x1p-24};
-    struct keeping *down;
+    struct gp_far_keeping *down;
     gp_status st = gp_alloc(log, "tail", (size_t) ny, sizeof *down, &down);
     if (st)
         return st;
     for (int i = 0; i < ny; i++)
-        down[i] = keep_of(frequency(i, ny));
+        down[i] = gp_far_keep_of(frequency(i, ny));
     double norm1 = 0.0;
     for (int c = 0; c < (t->grey ? 1 : 3); c++) {
         struct limits l = {0};
         for (int x = 0; x <= nx / 2; x++) {
-            const struct keeping across = keep_of(frequency(x, nx));
+            const struct gp_far_keeping across =
+                gp_far_keep_of(frequency(x, nx));
             // the passes' factor 1 / 2 of rows was left out once
             const float *const plane = s->spectrum.m.z[c];
             limit_column(plane +

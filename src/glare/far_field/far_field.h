@@ -170,4 +170,13 @@ static inline void gp_far_spline(double t, double b[GP_FAR_TAPS])
     b[3] = t * t * t / 6.0;
 }
 
+/* A frequency of an axis, in periods a step: the transform of the spline's own
+ * samples; and over that, `kept` of the band by the spline, and the sum and the
+ * sum of squares of it and its images. */
+struct gp_far_keeping {
+    double own, kept, sum, square;
+    bool edge; // near the end of the band, whose half is 0.5
+};
+struct gp_far_keeping gp_far_keep_of(double f);
+
 #endif

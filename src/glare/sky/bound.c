@@ -15,6 +15,7 @@
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "glare/far_field/far_field.h"
 #include "glare/sky/sum.h"
 
 #include <math.h>
@@ -60,27 +61,9 @@ static void find_spectrum(const double *v, int w, int h,
     }
 }
 
-/* A frequency of an axis: what a cubic spline keeps of it, and the sum of squares of
- * that and its images. */
-struct keeping {
-    double kept, square;
-};
-
-static struct keeping keep_of(int i)
+static struct gp_far_keeping keep_of(int i)
 {
-    enum { IMAGES = 4 };
-    const double f = (double) (i <= SIDE / 2 ? i : i - SIDE) / SIDE;
-    const double own = (2.0 + gp_cos(2.0 * M_PI * f)) / 3.0;
-    struct keeping k = {0};
-    for (int m = -IMAGES; m <= IMAGES; m++) {
-        const double a = M_PI * (f + m);
-        const double s =
-            a == 0.0 ? 1.0 : gp_sin(M_PI * f) / a; // up to its sign
-        const double v = s * s * s * s / own;
-        k.kept = m == 0 ? v : k.kept;
-        k.square += v * v;
-    }
-    return k;
+    return gp_far_keep_of((double) (i <= SIDE / 2 ? i : i - SIDE) / SIDE);
 }
 
 /* The norm of the error of a level at a place. Of the last one, whose term has no end,
@@ -103,7 +86,7 @@ static double level_error(const struct gp_sky *s, int l, const double at[2])
     find_spectrum(term, SIDE, SIDE, spectrum);
     for (int j = 0; j < SIDE; j++) {
         for (int i = 0; i < SIDE; i++) {
-            const struct keeping across = keep_of(i), down = keep_of(j);
+            const struct gp_far_keeping across = keep_of(i), down = keep_of(j);
             const double kept = across.kept * down.kept;
             const double eps =
                 sqrt(fmax(across.square * down.square - kept * kept, 0.0));

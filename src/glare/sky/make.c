@@ -245,40 +245,39 @@ out:
     return st;
 }
 
-/* Makes what the first scale is so many steps for. */
-static gp_status make_ratio(const struct gp_log *log,
-                            const struct gp_sky_params *p, double ratio,
-                            struct gp_sky **out)
+static void free_levels(struct gp_sky *s)
 {
-    static const double MIDDLE = 1e-3; // pixels that weights do not notice
+    for (int l = 0; l < GP_SKY_LEVELS; l++) {
+        gp_free(s->level[l].weight);
+        gp_free(s->level[l].span);
+        gp_free(s->level[l].sum);
+        gp_free(s->level[l].column);
+        s->level[l] = (struct gp_sky_level) {0};
+    }
+    GP_FREE(s->pairs);
+    GP_FREE(s->own);
+    GP_FREE(s->column);
+}
+
+/* Makes the levels whose first scale is so many steps, and bounds their error. */
+static gp_status make_levels(const struct gp_log *log, double ratio,
+                             struct gp_sky *s)
+{
+    struct making m = {.s = s};
     gp_status st;
-    struct gp_sky *s = NULL;
-    struct making m = {0};
-    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
-    s->p = *p;
+    free_levels(s);
+    s->error = (struct gp_sky_error) {0};
     s->ratio = ratio;
     s->negligible = ratio > 6.0 ? 1e-5 : 4e-3;
-    if (!is_served(s))
-        goto out;
-    GP_TRY(gp_sky_light_make(log, p, &s->light));
-    count_levels(s);
-    gp_sky_lay_places(s);
-    s->even[0] = fabs(p->projection.x0 - 0.5 * (p->w - 1)) < MIDDLE;
-    s->even[1] = fabs(p->projection.y0 - 0.5 * (p->h - 1)) < MIDDLE;
     size_levels(s);
     GP_TRY(alloc_levels(log, s, &m));
-    m.s = s;
-    GP_TRY(gp_sky_outside_make(log, s));
-    GP_TRY(gp_sky_outside_table(log, s));
-    gp_parallel_do(s->places.n[0] * s->places.n[1], make_place, &m);
-    gp_parallel_do(s->places.n[0] * s->places.n[1], turn_place, &m);
-    gp_parallel_do(s->level[s->levels - 1].w * s->level[s->levels - 1].h,
-                   make_pairs, &m);
-    GP_TRY(gp_sky_error_find(log, s));
-    *out = s;
-    s = NULL;
+    const int places = s->places.n[0] * s->places.n[1];
+    const struct gp_sky_level *const last = &s->level[s->levels - 1];
+    gp_parallel_do(places, make_place, &m);
+    gp_parallel_do(places, turn_place, &m);
+    gp_parallel_do(last->w * last->h, make_pairs, &m);
+    st = gp_sky_error_find(log, s);
 out:
-    gp_sky_free(&s);
     gp_free(m.scratch);
     return st;
 }
@@ -289,15 +288,31 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     // pixels that are summed one by one grow with its square, errors fall with its
     // fourth power
     static const double RATIOS[] = {4.0, 5.0, 8.0};
+    static const double MIDDLE = 1e-3; // pixels that weights do not notice
     enum { LAST = 2 };
     const double tolerance = p->tolerance > 0.0 ? p->tolerance : 1e-3;
-    gp_status st = GP_OK;
-    for (int i = tolerance < 1e-4 ? LAST : 0; i <= LAST && !st; i++) {
-        gp_sky_free(out);
-        st = make_ratio(log, p, RATIOS[i], out);
-        if (!*out || (*out)->error.relative <= 0.99 * tolerance)
-            break;
-    }
+    int i = tolerance < 1e-4 ? LAST : 0;
+    gp_status st;
+    struct gp_sky *s = NULL;
+    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
+    s->p = *p;
+    s->ratio = RATIOS[i];
+    if (!is_served(s))
+        goto out;
+    GP_TRY(gp_sky_light_make(log, p, &s->light));
+    count_levels(s);
+    gp_sky_lay_places(s);
+    s->even[0] = fabs(p->projection.x0 - 0.5 * (p->w - 1)) < MIDDLE;
+    s->even[1] = fabs(p->projection.y0 - 0.5 * (p->h - 1)) < MIDDLE;
+    GP_TRY(gp_sky_outside_make(log, s));
+    GP_TRY(gp_sky_outside_table(log, s));
+    do
+        GP_TRY(make_levels(log, RATIOS[i++], s));
+    while (i <= LAST && s->error.relative > 0.99 * tolerance);
+    *out = s;
+    s = NULL;
+out:
+    gp_sky_free(&s);
     return st;
 }
 
@@ -305,16 +320,8 @@ void gp_sky_free(struct gp_sky **sky)
 {
     struct gp_sky *const s = *sky;
     if (s) {
-        for (int l = 0; l < GP_SKY_LEVELS; l++) {
-            gp_free(s->level[l].weight);
-            gp_free(s->level[l].span);
-            gp_free(s->level[l].sum);
-            gp_free(s->level[l].column);
-        }
+        free_levels(s);
         gp_free(s->light.curve.value);
-        gp_free(s->pairs);
-        gp_free(s->own);
-        gp_free(s->column);
         gp_free(s->within.value);
         gp_free(s->outer_at[0]);
         gp_free(s->outer_at[1]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* What sources near a pixel spread: listed where they are few, else laid out. */
+/* Light of sources near a pixel: listed where they are few, else laid out. */
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"

@@ -242,7 +242,7 @@ static void the_sum_is_as_defined(void **state)
     }
 }
 
-/* What a lamp spreads in the frame and beyond it is all of its light. */
+/* A lamp spreads all of its light, in the frame and beyond it. */
 static void light_is_kept(void **state)
 {
     enum { W = 240, H = 135 };
