@@ -287,7 +287,7 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
 {
     // pixels that are summed one by one grow with its square, errors fall with its
     // fourth power
-    static const double RATIOS[] = {4.0, 5.0, 8.0};
+    static const double RATIOS[] = {3.5, 4.5, 8.0};
     static const double MIDDLE = 1e-3; // pixels that weights do not notice
     enum { LAST = 2 };
     const double tolerance = p->tolerance > 0.0 ? p->tolerance : 1e-3;

@@ -51,7 +51,7 @@ static double part_of(const struct gp_sky *s, struct gp_v3 p,
 {
     static const double STEP = 1e-3; // pixels, for the tangent
     const struct gp_projection *const q = &s->p.projection;
-    const struct gp_gauss *const g = gp_gauss_rule(5);
+    const struct gp_gauss *const g = gp_gauss_rule(4);
     double sum = 0.0;
     for (int k = 0; k < g->n; k++) {
         const double t = 0.5 * (a + b) + (b - a) * g->node[k];
@@ -81,7 +81,7 @@ static double half_of(const struct gp_sky *s, struct gp_v3 p,
     const double way = end < foot ? -1.0 : 1.0, length = fabs(end - foot);
     double sum = 0.0, at = 0.0;
     while (at < length) {
-        const double to = fmin(at + fmax(0.7 * away, 0.7 * at), length);
+        const double to = fmin(at + fmax(away, at), length);
         sum += part_of(s, p, side, foot + way * at, foot + way * to);
         at = to;
     }
@@ -112,19 +112,23 @@ static double outside_of(const struct gp_sky *s, double x, double y)
     return fmin(fmax(s->spread - fabs(inside), 0.0), s->spread);
 }
 
+/* Points of an axis on which the share is found: within some pixels of a border it
+ * bends across that, and the pixel shines evenly. */
+static const struct gp_gauss *points_of(double at, int n)
+{
+    static const double NEAR = 6.0;
+    const double border = fmin(at, n - 1 - at);
+    return gp_gauss_rule(border < 1.0 ? 10 : border < NEAR ? 3 : 1);
+}
+
 double gp_sky_outside(const struct gp_sky *s, double x, double y)
 {
-    // near the border it bends within a pixel, which shines evenly
-    static const double NEAR = 6.0;
-    const double border =
-        fmin(fmin(x, s->p.w - 1 - x), fmin(y, s->p.h - 1 - y));
-    const struct gp_gauss *const g = gp_gauss_rule(border < 1.0    ? 10
-                                                   : border < NEAR ? 3
-                                                                   : 1);
+    const struct gp_gauss *const g = points_of(x, s->p.w);
+    const struct gp_gauss *const d = points_of(y, s->p.h);
     double sum = 0.0;
-    for (int i = 0; i < g->n * g->n; i++)
-        sum += g->weight[i % g->n] * g->weight[i / g->n] *
-               outside_of(s, x + g->node[i % g->n], y + g->node[i / g->n]);
+    for (int i = 0; i < g->n * d->n; i++)
+        sum += g->weight[i % g->n] * d->weight[i / g->n] *
+               outside_of(s, x + g->node[i % g->n], y + d->node[i / g->n]);
     return sum;
 }
 

@@ -12,13 +12,13 @@
  * It is summed on levels. With c the square of the chord between two directions and
  * a scale A, let
  *
- *   P_A(c) = P(c) from c = A on, else P(A psi(c / A)),  psi(u) = u + (1 - u)^3 / 4
+ *   P_A(c) = P(c) from c = A on, else P(A psi(c / A)),  psi(u) = u + 0.28 (1 - u)^2
  *
  * which has no peak, and bends on the scale of A only. Then
  *
  *   P = (P - P_A1) + (P_A1 - P_A2) + ... + P_AL,   A(l + 1) = 4 A(l)
  *
- * The first term ends at A1, some 8 pixels away, and is summed pixel by pixel. Term
+ * The first term ends at A1, some 7 pixels away, and is summed pixel by pixel. Term
  * l of the others is smooth on 2^l pixels: light goes to a grid of that step by
  * cubic B-splines, from grid to grid, a half in size each, is spread there, and
  * comes back the same way. Each term ends at A(l + 1), so that a grid costs a

@@ -87,7 +87,7 @@ static inline double gp_sky_soft(const struct gp_sky_light *l, double a,
     double v = 0.0;
     if (c < a) {
         const double u = c / a, w = 1.0 - u;
-        c = a * (u + 0.25 * w * w * w);
+        c = a * (u + 0.28 * w * w);
     }
     gp_curve_add(&l->curve, c, 1.0, &v);
     return v;

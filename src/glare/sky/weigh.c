@@ -38,8 +38,15 @@ double gp_sky_term(const struct gp_sky *s, int l, bool last, const double at[2],
 {
     const struct gp_projection *const p = &s->p.projection;
     const int order = l <= 3 ? 2 : 1; // 64 pixels away means are within 2e-4
-    return gp_sky_mean(&s->light, p, scale_at(s, l, most),
-                       last ? 0.0 : scale_at(s, l + 1, most), order, at, from);
+    const double end = last ? 0.0 : scale_at(s, l + 1, most);
+    if (!last) { // beyond it by more than both pixels no point is within
+        const double c =
+            gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
+        if (c > end * (1.0 + 2.0 / s->ratio))
+            return 0.0;
+    }
+    return gp_sky_mean(&s->light, p, scale_at(s, l, most), end, order, at,
+                       from);
 }
 
 /* Returns under which share of the level's light a weight is negligible: a term fades
