@@ -5,30 +5,32 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/far_field/far_field.h"
+#include "glare/sky/rows.h"
 #include "glare/sky/sky_priv.h"
 #include "glare/sky/sum.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { BAND = 16 }; // rows of a task
+enum { BAND = GP_SKY_BAND, REACH = GP_SKY_REACH };
 
-struct adding {
-    const struct gp_sky *sky;
-    const struct gp_sources *src;
-    struct gp_sky_index index;
-    struct gp_planes *layer;
-    bool add;
-    float more[3];
-    gp_task rest;
-    void *ctx;
+/* What frames of one size take, kept from frame to frame. */
+struct gp_sky_kept {
+    int levels;
     struct gp_sky_grid light[GP_SKY_LEVELS]; // of levels from 1 on: moments
     float *out[GP_SKY_LEVELS][3];            // w * h: what is spread there
     float
         *node[GP_SKY_LEVELS][3]; // w * h: splines of it, and of farther levels
-    int level;                   // that tasks work on
+    struct gp_sky_index index;
     float *scratch;
     size_t room; // floats of a thread
+};
+
+struct adding {
+    const struct gp_sky *sky;
+    const struct gp_sky_drawing *d;
+    const struct gp_sky_kept *k;
+    int level; // that tasks work on
 };
 
 // -- up -----------------------------------------------------------------------
@@ -44,23 +46,18 @@ static void spline_rows(float at[2][GP_SKY_TAPS])
     }
 }
 
-/* Adds the light of a row of pixels, times its solid angles, to the nodes of a
- * line, channel after channel. */
-static void gather_row(const struct adding *a, int y, float *solid, float *line)
+/* Adds the light of the few sources of row y, times their solid angles, to the nodes of
+ * a line, channel after channel. */
+static void gather_few(const struct adding *a, int y, float *line)
 {
-    enum { FEW = 64 };
-    const struct gp_sources *const src = a->src;
-    const size_t pitch = a->light[1].pitch;
-    const struct gp_projection *const p = &a->sky->p.projection;
-    const uint32_t from = src->row[y], to = src->row[y + 1];
+    const struct gp_sources *const src = a->d->src;
+    const size_t pitch = a->k->light[1].pitch;
     float at[2][GP_SKY_TAPS];
     spline_rows(at);
-    if (to - from > FEW)
-        gp_projection_solid_row(p, 0.0, y, src->w, solid);
-    for (uint32_t i = from; i < to; i++) {
+    for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
         const int x = src->x[i];
         const float omega =
-            to - from > FEW ? solid[x] : (float) gp_projection_solid(p, x, y);
+            (float) gp_projection_solid(&a->sky->p.projection, x, y);
         for (size_t c = 0; c < 3; c++) {
             const float v = omega * src->rgb[c][i];
             float *const node = line + c * pitch + (size_t) (x >> 1);
@@ -70,24 +67,54 @@ static void gather_row(const struct adding *a, int y, float *solid, float *line)
     }
 }
 
+/* The same of many, which are laid out first, even and odd pixels apart. */
+static void gather_many(const struct adding *a, int y, float *line,
+                        float *scratch)
+{
+    enum { BEFORE = 3 };
+    const struct gp_sources *const src = a->d->src;
+    const size_t half = gp_sky_row_room(src->w / 2 + 2 * BEFORE);
+    float *const solid = scratch + 2 * half, *const even = scratch + BEFORE;
+    gp_projection_solid_row(&a->sky->p.projection, 0.0, y, src->w, solid);
+    for (size_t c = 0; c < 3; c++) {
+        memset(scratch, 0, 2 * half * sizeof *scratch);
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+            const size_t x = (size_t) src->x[i];
+            even[(x & 1) * half + x / 2] = solid[x] * src->rgb[c][i];
+        }
+        gp_sky_gather_row(even, even + half, (src->w + 1) / 2 + BEFORE,
+                          line + c * a->k->light[1].pitch);
+    }
+}
+
 /* BAND rows of nodes of level 1. */
 static void gather_band(void *ctx, int band, int thread)
 {
+    enum { FEW = 64 };
     const struct adding *const a = ctx;
-    const struct gp_sky_grid *const to = &a->light[1];
+    const struct gp_sources *const src = a->d->src;
+    const struct gp_sky_grid *const to = &a->k->light[1];
     const size_t n = 3 * to->pitch;
-    float *const line = a->scratch + (size_t) thread * a->room;
-    float *const solid = line + n;
+    float *const line = a->k->scratch + (size_t) thread * a->k->room;
     const int from = band * BAND, end = gp_min(from + BAND, to->h);
     float at[2][GP_SKY_TAPS];
     spline_rows(at);
+    for (int g = from; g < end; g++) {
+        for (int c = 0; c < 3; c++)
+            memset(gp_sky_grid_row(to, c, g), 0,
+                   (size_t) to->w * sizeof(float));
+    }
     // node row g lies on pixel row 2 (g - 1), and meets three on each side
-    for (int y = gp_max(2 * from - 5, 0); y < gp_min(2 * end + 2, a->src->h);
+    for (int y = gp_max(2 * from - 5, 0); y < gp_min(2 * end + 2, src->h);
          y++) {
-        if (a->src->row[y] == a->src->row[y + 1])
+        const uint32_t count = src->row[y + 1] - src->row[y];
+        if (!count)
             continue;
         memset(line, 0, n * sizeof *line);
-        gather_row(a, y, solid, line);
+        if (count > FEW)
+            gather_many(a, y, line, line + n);
+        else
+            gather_few(a, y, line);
         for (int k = 0; k < GP_SKY_TAPS; k++) {
             const int g = (y >> 1) + k;
             if (g < from || g >= end)
@@ -105,11 +132,11 @@ static void halve_row(void *ctx, int i, int thread)
 {
     static const float B[5] = {0.125f, 0.5f, 0.75f, 0.5f, 0.125f};
     const struct adding *const a = ctx;
-    const struct gp_sky_grid *const to = &a->light[a->level];
-    const struct gp_sky_grid *const from = &a->light[a->level - 1];
+    const struct gp_sky_grid *const to = &a->k->light[a->level];
+    const struct gp_sky_grid *const from = &a->k->light[a->level - 1];
     const int c = i / to->h, g = i % to->h;
     float *const out = gp_sky_grid_row(to, c, g);
-    float *const line = a->scratch + (size_t) thread * a->room + 4;
+    float *const line = a->k->scratch + (size_t) thread * a->k->room + 4;
     // nodes before and after those of `from` are black
     memset(line - 4, 0, ((size_t) from->w + 16) * sizeof *line);
     for (int k = 0; k < 5; k++) {
@@ -129,8 +156,9 @@ static void halve_row(void *ctx, int i, int thread)
 static void spread_rows(void *ctx, int group, int thread)
 {
     const struct adding *const a = ctx;
-    gp_sky_spread(a->sky, a->level, &a->light[a->level], group,
-                  a->out[a->level], a->scratch + (size_t) thread * a->room);
+    gp_sky_spread(a->sky, a->level, &a->k->light[a->level], group,
+                  a->k->out[a->level],
+                  a->k->scratch + (size_t) thread * a->k->room);
 }
 
 /* Node i of the last level. */
@@ -145,14 +173,12 @@ static void spread_last(void *ctx, int i, int thread)
         float sum = 0.0f;
         for (int y = 0; y < a->sky->level[l].h; y++)
             sum += gp_sky_dot(w + (size_t) y * (size_t) n,
-                              gp_sky_grid_row(&a->light[l], c, y), n);
-        a->out[l][c][i] = sum;
+                              gp_sky_grid_row(&a->k->light[l], c, y), n);
+        a->k->out[l][c][i] = sum;
     }
 }
 
 // -- down ---------------------------------------------------------------------
-
-enum { REACH = 6 }; // nodes
 
 /* Weights by which the samples 1/6, 4/6, 1/6 of the cubic B-spline are divided out of
  * what a level spreads, sqrt 3 (sqrt 3 - 2)^|k|, so that its splines meet it at the
@@ -187,19 +213,6 @@ static void divide_weights(int i, int n, float to[2 * REACH + 1 + 6],
     *first = from;
 }
 
-/* Divides splines out of a line of n nodes, both ways continued. */
-GP_CLONES static void divide_line(const float *restrict line, int n,
-                                  const float at[REACH + 1],
-                                  float *restrict out)
-{
-    for (int i = 0; i < n; i++) {
-        float v = at[0] * line[i];
-        for (int k = 1; k <= REACH; k++)
-            v += at[k] * (line[i - k] + line[i + k]);
-        out[i] = v;
-    }
-}
-
 /* Continues a line of n nodes by REACH on both sides. */
 static void continue_line(float *line, int n)
 {
@@ -220,21 +233,18 @@ static void continue_line(float *line, int n)
 static void double_row(const struct adding *a, int c, int f, float *line,
                        float *out)
 {
-    const struct gp_sky_level *const to = &a->sky->level[a->level];
-    const struct gp_sky_level *const from = &a->sky->level[a->level + 1];
-    const int w = from->w, half = (f + 1) / 2;
-    const float *const at = a->node[a->level + 1][c];
-    memset(line, 0, (size_t) w * sizeof *line);
     // fine node f lies on the coarse node (f + 1) / 2, or between two
-    const float odd[3] = {0.125f, 0.75f, 0.125f}, even[2] = {0.5f, 0.5f};
-    for (int k = 0; k < (f & 1 ? 3 : 2); k++)
-        gp_sky_add_scaled(line, at + (size_t) (half - (f & 1) + k) * (size_t) w,
-                          f & 1 ? odd[k] : even[k], w);
-    for (int x = 0; x < to->w; x++) {
-        const float *const v = line + (x + 1) / 2;
-        out[x] += x & 1 ? 0.125f * (v[-1] + v[1]) + 0.75f * v[0]
-                        : 0.5f * (v[0] + v[1]);
-    }
+    static const float EVEN[4] = {0.5f, 0.5f}, ODD[4] = {0.125f, 0.75f, 0.125f};
+    const struct gp_sky_level *const to = &a->sky->level[a->level];
+    const int w = a->sky->level[a->level + 1].w;
+    const int n = f & 1 ? 3 : 2;
+    const float *from[3];
+    for (int k = 0; k < n; k++)
+        from[k] =
+            a->k->node[a->level + 1][c] + (size_t) (f / 2 + k) * (size_t) w;
+    gp_sky_sum_rows(from, f & 1 ? ODD : EVEN, n, w, line);
+    memset(line + w, 0, 4 * sizeof *line);
+    gp_sky_between_row(line, EVEN, ODD, to->w, out);
 }
 
 /* Row i % h of channel i / h of a level: splines of what is spread on it and on all
@@ -245,36 +255,22 @@ static void find_row(void *ctx, int i, int thread)
     const struct gp_sky_level *const g = &a->sky->level[a->level];
     const int c = i / g->h, y = i % g->h;
     const size_t w = (size_t) g->w;
-    float *const line = a->scratch + (size_t) thread * a->room + REACH;
-    float *const out = a->node[a->level][c] + (size_t) y * w;
+    float *const line = a->k->scratch + (size_t) thread * a->k->room + REACH;
+    float *const out = a->k->node[a->level][c] + (size_t) y * w;
     float at[2 * REACH + 1 + 6], along[2 * REACH + 1 + 6];
-    int first, middle;
+    const float *from[2 * REACH + 1 + 6];
+    int first, middle, n = 0;
     divide_weights(y, g->h, at, &first);
     divide_weights(4 * REACH, 8 * REACH + 1, along, &middle);
-    memset(line, 0, w * sizeof *line);
-    for (int k = 0; k < 2 * REACH + 1 + 6 && first + k < g->h; k++) {
-        if (at[k] != 0.0f)
-            gp_sky_add_scaled(line,
-                              a->out[a->level][c] + (size_t) (first + k) * w,
-                              at[k], g->w);
-    }
+    for (; n < 2 * REACH + 1 + 6 && first + n < g->h; n++)
+        from[n] = a->k->out[a->level][c] + (size_t) (first + n) * w;
+    while (n > 1 && at[n - 1] == 0.0f)
+        n--;
+    gp_sky_sum_rows(from, at, n, g->w, line);
     continue_line(line, g->w);
-    divide_line(line, g->w, along + REACH, out);
+    gp_sky_divide_row(line, along + REACH, g->w, out);
     if (a->level < a->sky->levels - 1)
         double_row(a, c, y, line, out);
-}
-
-/* Adds the nodes of level 1 to a row of n pixels. */
-GP_CLONES static void put_row(const float *restrict line, int n,
-                              float *restrict row)
-{
-    for (int i = 0; 2 * i < n; i++) {
-        row[2 * i] += (line[i] + line[i + 2]) * (1.0f / 6.0f) +
-                      line[i + 1] * (4.0f / 6.0f);
-        if (2 * i + 1 < n)
-            row[2 * i + 1] += (line[i] + line[i + 3]) * (1.0f / 48.0f) +
-                              (line[i + 1] + line[i + 2]) * (23.0f / 48.0f);
-    }
 }
 
 /* Writes a row of the layer, or adds to it; light is never negative. */
@@ -291,14 +287,14 @@ GP_CLONES static void write_row(const float *restrict from, int n, bool add,
 static void stay_row(const struct adding *a, int y, float *own, float *rows,
                      size_t apart)
 {
-    const struct gp_sources *const src = a->src;
+    const struct gp_sources *const src = a->d->src;
     if (src->row[y] == src->row[y + 1])
         return;
     gp_sky_own(a->sky, src->w, src->h, y, own);
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
         for (size_t c = 0; c < 3; c++)
             rows[c * apart + (size_t) src->x[i]] +=
-                (own[src->x[i]] + a->more[c]) * src->rgb[c][i];
+                (own[src->x[i]] + a->d->more[c]) * src->rgb[c][i];
     }
 }
 
@@ -306,96 +302,112 @@ static void stay_row(const struct adding *a, int y, float *own, float *rows,
 static void finish_band(void *ctx, int band, int thread)
 {
     const struct adding *const a = ctx;
-    const struct gp_sky_level *const g = &a->sky->level[1];
-    const int w = a->src->w, h = a->src->h, first = band * GP_SKY_BAND;
-    const size_t wide = gp_sky_row_room(w), nodes = (size_t) g->w;
+    const struct gp_sky_drawing *const d = a->d;
+    const int w = d->src->w, h = d->src->h, first = band * BAND;
+    const size_t wide = gp_sky_row_room(w), nodes = (size_t) a->sky->level[1].w;
     float *const rows =
-        a->scratch + (size_t) thread * a->room; // [row][c][wide]
-    float *const line = rows + 3 * GP_SKY_BAND * wide;
+        a->k->scratch + (size_t) thread * a->k->room; // [row][c][wide]
+    float *const line = rows + 3 * BAND * wide;
     float at[2][GP_SKY_TAPS];
     spline_rows(at);
-    const int n = gp_min(GP_SKY_BAND, h - first);
-    gp_sky_near(a->sky, a->src, &a->index, first, n, rows, line);
+    const int n = gp_min(BAND, h - first);
+    gp_sky_near(a->sky, d->src, &a->k->index, first, n, rows, line);
     for (int r = 0; r < n; r++) {
         const int y = first + r;
         float *const row = rows + (size_t) r * 3 * wide;
         stay_row(a, y, line, row, wide);
         for (int c = 0; c < 3; c++) {
-            memset(line, 0, nodes * sizeof *line);
+            const float *from[GP_SKY_TAPS];
             for (int k = 0; k < GP_SKY_TAPS; k++)
-                gp_sky_add_scaled(
-                    line, a->node[1][c] + (size_t) ((y >> 1) + k) * nodes,
-                    at[y & 1][k], g->w);
-            put_row(line, w, row + (size_t) c * wide);
-            write_row(row + (size_t) c * wide, w, a->add,
-                      a->layer->c[c] + (size_t) y * (size_t) w);
-            if (a->rest)
-                a->rest(a->ctx, c * h + y, thread);
+                from[k] = a->k->node[1][c] + (size_t) ((y >> 1) + k) * nodes;
+            gp_sky_sum_rows(from, at[y & 1], GP_SKY_TAPS, (int) nodes, line);
+            gp_sky_between_row(line, at[0], at[1], w, row + (size_t) c * wide);
+            write_row(row + (size_t) c * wide, w, d->add,
+                      d->layer->c[c] + (size_t) y * (size_t) w);
+            if (d->rest)
+                d->rest(d->ctx, c * h + y, thread);
         }
     }
 }
 
 // -- all of it ----------------------------------------------------------------
 
-static gp_status alloc_grids(const struct gp_log *log, struct adding *a)
+void gp_sky_kept_free(struct gp_sky_kept **kept)
 {
+    struct gp_sky_kept *const k = *kept;
+    for (int l = 1; k && l < k->levels; l++) {
+        gp_sky_grid_free(&k->light[l]);
+        gp_free(k->out[l][0]);
+        gp_free(k->node[l][0]);
+    }
+    if (k) {
+        gp_free(k->index.at);
+        gp_free(k->scratch);
+    }
+    GP_FREE(*kept);
+}
+
+/* Tests whether what is kept fits. */
+static bool is_kept(const struct gp_sky_kept *k, const struct gp_sky *s)
+{
+    bool same = k && k->levels == s->levels && k->room == gp_sky_room(s);
+    for (int l = 1; same && l < s->levels; l++)
+        same = gp_sky_grid_fits(&k->light[l], &s->level[l]);
+    return same;
+}
+
+static gp_status keep(const struct gp_log *log, const struct gp_sky *s,
+                      struct gp_sky_kept **out)
+{
+    struct gp_sky_kept *k;
     gp_status st = GP_OK;
-    const struct gp_sky *const s = a->sky;
+    if (is_kept(*out, s))
+        return GP_OK;
+    gp_sky_kept_free(out);
+    GP_TRY(gp_alloc_zero(log, "layer", 1, sizeof *k, &k));
+    *out = k;
+    k->levels = s->levels;
     for (int l = 1; l < s->levels; l++) {
         const struct gp_sky_level *const g = &s->level[l];
-        GP_TRY(gp_sky_grid_make(log, g, &a->light[l]));
         const size_t n = (size_t) g->w * (size_t) g->h;
-        GP_TRY(gp_alloc(log, "layer", 3 * n, sizeof(float), &a->out[l][0]));
-        GP_TRY(gp_alloc(log, "layer", 3 * n, sizeof(float), &a->node[l][0]));
+        GP_TRY(gp_sky_grid_make(log, g, &k->light[l]));
+        GP_TRY(gp_alloc(log, "layer", 3 * n, sizeof(float), &k->out[l][0]));
+        GP_TRY(gp_alloc(log, "layer", 3 * n, sizeof(float), &k->node[l][0]));
         for (int c = 1; c < 3; c++) {
-            a->out[l][c] = a->out[l][c - 1] + n;
-            a->node[l][c] = a->node[l][c - 1] + n;
+            k->out[l][c] = k->out[l][c - 1] + n;
+            k->node[l][c] = k->node[l][c - 1] + n;
         }
     }
-    a->room = gp_sky_room(s);
-    st = gp_alloc(log, "layer", a->room * (size_t) gp_threads(), sizeof(float),
-                  &a->scratch);
+    GP_TRY(gp_sky_index_make(log, s->p.w, s->p.h, &k->index));
+    k->room = gp_sky_room(s);
+    st = gp_alloc(log, "layer", k->room * (size_t) gp_threads(), sizeof(float),
+                  &k->scratch);
 out:
+    if (st)
+        gp_sky_kept_free(out);
     return st;
 }
 
 gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
-                     const struct gp_sources *src, bool add,
-                     const float more[3], gp_task rest, void *ctx,
-                     struct gp_planes *layer)
+                     const struct gp_sky_drawing *d, struct gp_sky_kept **kept)
 {
-    struct adding a = {.sky = sky,
-                       .src = src,
-                       .layer = layer,
-                       .add = add,
-                       .more = {more[0], more[1], more[2]},
-                       .rest = rest,
-                       .ctx = ctx};
+    gp_status st = keep(log, sky, kept);
+    if (st)
+        return st;
+    const struct gp_sky_kept *const k = *kept;
+    struct adding a = {.sky = sky, .d = d, .k = k};
     const int last = sky->levels - 1;
-    gp_status st = alloc_grids(log, &a);
-    if (!st)
-        st = gp_sky_index_make(log, src, &a.index);
-    if (!st) {
-        gp_parallel_do((a.light[1].h + BAND - 1) / BAND, gather_band, &a);
-        for (a.level = 2; a.level <= last; a.level++)
-            gp_parallel_do(3 * a.light[a.level].h, halve_row, &a);
-        gp_parallel_do(sky->level[last].w * sky->level[last].h, spread_last,
-                       &a);
-        for (a.level = last; a.level >= 1; a.level--) {
-            const struct gp_sky_level *const g = &sky->level[a.level];
-            if (a.level < last)
-                gp_parallel_do((g->h + g->rows - 1) / g->rows, spread_rows, &a);
-            gp_parallel_do(3 * g->h, find_row, &a);
-        }
-        gp_parallel_do((src->h + GP_SKY_BAND - 1) / GP_SKY_BAND, finish_band,
-                       &a);
+    gp_sky_index_fill(&k->index, d->src);
+    gp_parallel_do((k->light[1].h + BAND - 1) / BAND, gather_band, &a);
+    for (a.level = 2; a.level <= last; a.level++)
+        gp_parallel_do(3 * k->light[a.level].h, halve_row, &a);
+    gp_parallel_do(sky->level[last].w * sky->level[last].h, spread_last, &a);
+    for (a.level = last; a.level >= 1; a.level--) {
+        const struct gp_sky_level *const g = &sky->level[a.level];
+        if (a.level < last)
+            gp_parallel_do((g->h + g->rows - 1) / g->rows, spread_rows, &a);
+        gp_parallel_do(3 * g->h, find_row, &a);
     }
-    for (int l = 1; l < sky->levels; l++) {
-        gp_sky_grid_free(&a.light[l]);
-        gp_free(a.out[l][0]);
-        gp_free(a.node[l][0]);
-    }
-    gp_free(a.index.at);
-    gp_free(a.scratch);
-    return st;
+    gp_parallel_do((d->src->h + BAND - 1) / BAND, finish_band, &a);
+    return GP_OK;
 }

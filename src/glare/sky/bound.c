@@ -135,7 +135,7 @@ static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
     const size_t all = (size_t) a.w * (size_t) a.h, middle = all / 2;
     const double side = gp_sky_ellipse_at(&s->p.projection, x, y).most;
     float *scratch = NULL, *right = NULL, *own = NULL,
-          factor[2 * GP_SKY_ROWS] = {1.0f};
+          factor[GP_SKY_BAND] = {1.0f};
     struct gp_sky_weights w;
     gp_status st;
     GP_TRY(gp_alloc(log, "bound", gp_sky_weights_room(s, g), sizeof *scratch,
@@ -156,7 +156,7 @@ static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
         const size_t row = i / (size_t) a.w, column = i % (size_t) a.w;
         const size_t at = row * w.pitch + GP_SKY_PAD + column;
         const float made =
-            factor[y - first] * (w.value[at] + lane * w.slope[at]);
+            factor[y - first] * gp_sky_weight_at(&w, at, lane, y - first);
         a.right[i] = (double) right[row * g->pitch + column];
         a.wrong[i] = (double) made - a.right[i];
     }

@@ -195,9 +195,10 @@ static bool is_served(const struct gp_sky *s)
     return true;
 }
 
-/* Chooses the blocks of a level, and places them. Over d radians a line misses
- * weights by some d^2 / 3 of them, and over +-d rows with the sum set right by d / 2:
- * those within 4 pixels make most of the error, so pixels are held closer. */
+/* Chooses the blocks and groups of a level, and places them. Over d radians a line
+ * misses weights by some d^2 / 3 of them, and rows that are the same over +-d, with the
+ * sum set right, by d / 2: those within 4 pixels make most of the error, so pixels are
+ * held closer. */
 static gp_status place_level(const struct gp_log *log, const struct gp_sky *s,
                              int l, struct gp_sky_level *g)
 {
@@ -208,8 +209,12 @@ static gp_status place_level(const struct gp_log *log, const struct gp_sky *s,
     while (g->block > 1 && g->block * g->step * p->dx > straight)
         g->block = g->block == GP_SKY_BLOCK ? GP_SKY_BLOCK / 2 : 1;
     g->rows = 2 * GP_SKY_ROWS;
-    while (g->rows > 2 && g->rows * g->step * p->dy > ALIKE)
-        g->rows /= 2;
+    g->tilts = g->block > 1 && g->rows * g->step * p->dy > ALIKE;
+    if (g->tilts) {
+        g->rows = GP_SKY_BAND;
+        while (g->rows > GP_SKY_ROWS && g->rows * g->step * p->dy > straight)
+            g->rows /= 2;
+    }
     return gp_sky_columns(log, s, (g->w + g->block - 1) / g->block + 1,
                           l ? -g->step : 0.0, g->block * g->step, &g->column);
 }
@@ -287,7 +292,7 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
 {
     // pixels that are summed one by one grow with its square, errors fall with its
     // fourth power
-    static const double RATIOS[] = {3.5, 4.5, 8.0};
+    static const double RATIOS[] = {3.7, 4.5, 8.0};
     static const double MIDDLE = 1e-3; // pixels that weights do not notice
     enum { LAST = 2 };
     const double tolerance = p->tolerance > 0.0 ? p->tolerance : 1e-3;

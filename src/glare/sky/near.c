@@ -11,7 +11,7 @@ enum { BLOCK = GP_SKY_BLOCK, ROWS = GP_SKY_ROWS };
 
 struct indexing {
     const struct gp_sources *src;
-    struct gp_sky_index *index;
+    const struct gp_sky_index *index;
 };
 
 static void index_row(void *ctx, int y, int thread)
@@ -30,17 +30,18 @@ static void index_row(void *ctx, int y, int thread)
     at[a->index->blocks] = s->row[y + 1];
 }
 
-gp_status gp_sky_index_make(const struct gp_log *log,
-                            const struct gp_sources *src,
+gp_status gp_sky_index_make(const struct gp_log *log, int w, int h,
                             struct gp_sky_index *out)
 {
-    out->blocks = (src->w + BLOCK - 1) / BLOCK;
-    gp_status st =
-        gp_alloc(log, "layer", (size_t) src->h * (size_t) (out->blocks + 1),
-                 sizeof *out->at, &out->at);
-    if (!st)
-        gp_parallel_do(src->h, index_row, &(struct indexing) {src, out});
-    return st;
+    out->blocks = (w + BLOCK - 1) / BLOCK;
+    return gp_alloc(log, "layer", (size_t) h * (size_t) (out->blocks + 1),
+                    sizeof *out->at, &out->at);
+}
+
+void gp_sky_index_fill(const struct gp_sky_index *index,
+                       const struct gp_sources *src)
+{
+    gp_parallel_do(src->h, index_row, &(struct indexing) {src, index});
 }
 
 /* Rows of sources that reach a band. */
@@ -86,7 +87,7 @@ size_t gp_sky_room(const struct gp_sky *s)
                             4 * (size_t) s->level[l].w + 64;
         room = room > more ? room : more;
     }
-    return room + 3 * (GP_SKY_BAND + 1) * gp_sky_row_room(s->p.w + BLOCK);
+    return room + 3 * (GP_SKY_BAND + 2) * gp_sky_row_room(s->p.w + BLOCK);
 }
 
 /* Counts the sources that reach a block of n rows; [*left, *right) are the index's
@@ -106,33 +107,36 @@ static size_t count_near(const struct near *v, int x, int y, int n, int *left,
     return count;
 }
 
-/* Sums what reaches n of ROWS rows of a block; false: nothing does. */
+/* Sums what reaches n of ROWS rows of a block, from row r of a group on, which starts
+ * at row y; false: nothing does. */
 static bool sum_near(struct near *v, struct gp_sky_weights *w, int x, int y,
-                     int n, float sum[ROWS][3][BLOCK])
+                     int r, int n, float sum[ROWS][3][BLOCK])
 {
     const struct gp_sky_level *const g = &v->s->level[0];
     const size_t blocks = (size_t) v->index->blocks + 1;
     int left, right;
+    y += r;
     const size_t count = count_near(v, x, y, n, &left, &right);
     // as many as take as long as all pixels of the window
     const size_t few =
-        (size_t) (right - left) * BLOCK * (size_t) (2 * g->ry + n) / 6;
+        (size_t) (right - left) * BLOCK * (size_t) (2 * g->ry + n) / 20;
     if (!count)
         return false;
-    if (w->column != x / g->block + 1)
+    if (w->block != x / g->block + 1)
         gp_sky_find_block(w, x / g->block);
     if (count > few) {
         if (!v->laid)
             lay_out(v);
-        gp_sky_sum_dense(w, &v->light, x, y - v->top, sum);
+        gp_sky_sum_dense(w, &v->light, x, y - v->top, r, sum);
         return true;
     }
     memset(sum, 0, ROWS * sizeof *sum);
     for (int j = gp_max(y - g->ry, 0); j < gp_min(y + n + g->ry, v->src->h);
          j++)
-        gp_sky_sum_few(
-            w, v->src, v->index->at[(size_t) j * blocks + (size_t) left],
-            v->index->at[(size_t) j * blocks + (size_t) right], x, y - j, sum);
+        gp_sky_sum_few(w, v->src,
+                       v->index->at[(size_t) j * blocks + (size_t) left],
+                       v->index->at[(size_t) j * blocks + (size_t) right], x,
+                       y - j, r, sum);
     return true;
 }
 
@@ -144,11 +148,11 @@ static void sum_group(struct near *v, int y, int n, float *rows, float *scratch)
     struct gp_sky_weights w;
     (void) gp_sky_weights_open(v->s, 0, y, n, scratch, &w);
     for (int x = 0; x < v->src->w; x += g->block) {
-        float sum[ROWS][3][BLOCK], factor[2 * ROWS];
+        float sum[ROWS][3][BLOCK], factor[GP_SKY_BAND];
         bool known = false;
         for (int r = 0; r < n; r += ROWS) {
             const int m = gp_min(ROWS, n - r);
-            if (!sum_near(v, &w, x, y + r, m, sum))
+            if (!sum_near(v, &w, x, y, r, m, sum))
                 continue;
             if (!known)
                 gp_sky_find_factors(&w, x / g->block, n, factor);

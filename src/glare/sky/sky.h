@@ -62,15 +62,26 @@ void gp_sky_free(struct gp_sky **sky);
 double gp_sky_give(struct gp_sky *sky);
 double gp_sky_given(const struct gp_sky *sky);
 
-/* Adds the layer of sources, or writes it.
- *   more       share of each pixel's light that stays in it beside the levels'
- *   rest, ctx  runs for row i % h of channel i / h once it is written; or NULL
+/* Adds the layer of sources, or writes it. */
+struct gp_sky_drawing {
+    const struct gp_sources *src;
+    bool add;
+    float more[3]; // share of each pixel's light that stays in it beside the
+                   // levels'
+    gp_task rest;  // runs for row i % h of channel i / h once it is written; or
+                   // NULL
+    void *ctx;
+    struct gp_planes *layer;
+};
+
+/* *kept is NULL at first, and kept by the caller from frame to frame.
  * Errors: GP_ERR_BUG out of memory. */
+struct gp_sky_kept;
 GP_MUST_CHECK gp_status gp_sky_add(const struct gp_log *log,
                                    const struct gp_sky *sky,
-                                   const struct gp_sources *src, bool add,
-                                   const float more[3], gp_task rest, void *ctx,
-                                   struct gp_planes *layer);
+                                   const struct gp_sky_drawing *d,
+                                   struct gp_sky_kept **kept);
+void gp_sky_kept_free(struct gp_sky_kept **kept);
 
 /* Fills `row` with the share of a pixel's light that the levels leave in it, in row y
  * of a frame of w x h pixels in the middle of those that they are for. */

@@ -11,6 +11,7 @@
 enum {
     GP_SKY_BLOCK = 16,  // columns of pixels or nodes that are summed together
     GP_SKY_ROWS = 4,    // rows of them
+    GP_SKY_BAND = 16,   // rows of a task, and most of a group
     GP_SKY_LEVELS = 12, // most
     GP_SKY_TAPS = 4,    // nodes that a cubic B-spline meets
 };
@@ -42,7 +43,9 @@ struct gp_sky_level {
     int rx, ry;  // of weights, in nodes
     int block;   // columns between which weights are linear: BLOCK, half of
                  // it, or 1, where they are found for each
-    int rows;    // with the same weights, but for a factor
+    int rows;    // of a group
+    bool tilts;  // weights are linear in a group's rows, not the same but for a
+                 // factor
     size_t pitch, size; // floats of a row of weights, and of a place's
     float *weight; // [place][ry + dy][rx + dx], of a source that is (dx, dy)
                    // nodes before the place; owned

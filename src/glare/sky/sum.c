@@ -47,32 +47,17 @@ gp_status gp_sky_grid_make(const struct gp_log *log,
     return GP_OK;
 }
 
+bool gp_sky_grid_fits(const struct gp_sky_grid *t, const struct gp_sky_level *g)
+{
+    return t->w == g->w && t->h == g->h && t->rx == g->rx + LANES &&
+           t->ry == g->ry;
+}
+
 void gp_sky_grid_free(struct gp_sky_grid *g)
 {
     if (g->v[0])
         gp_free(g->v[0] - g->before);
     *g = (struct gp_sky_grid) {0};
-}
-
-GP_CLONES void gp_sky_add_scaled(float *restrict to, const float *restrict from,
-                                 float by, int n)
-{
-    for (int i = 0; i < n; i++)
-        to[i] += by * from[i];
-}
-
-GP_CLONES float gp_sky_dot(const float *a, const float *b, int n)
-{
-    lanes sum = {0};
-    int i = 0;
-    for (; i + LANES <= n; i += LANES)
-        sum += *(const loose *) (a + i) * *(const loose *) (b + i);
-    float total = 0.0f;
-    for (int k = 0; k < LANES; k++)
-        total += sum[k];
-    for (; i < n; i++)
-        total += a[i] * b[i];
-    return total;
 }
 
 // -- weights of a block -------------------------------------------------------
@@ -86,8 +71,8 @@ size_t gp_sky_weights_room(const struct gp_sky *s, const struct gp_sky_level *g)
 {
     const size_t columns = (size_t) s->places.n[0];
     const size_t rows = 2 * (size_t) g->ry + 1;
-    return columns * g->size + 2 * rows * pitch_of(g) + columns + 2 * rows +
-           4 * BLOCK;
+    return columns * (2 * g->size + 1 + rows) + rows * (4 * pitch_of(g) + 2) +
+           g->pitch + 4 * BLOCK;
 }
 
 /* Opens weights for the rows [first, first + n) of a level, in scratch; returns
@@ -102,30 +87,36 @@ float *gp_sky_weights_open(const struct gp_sky *s, int l, int first, int n,
     double slope, at[4], t;
     *w = (struct gp_sky_weights) {.s = s,
                                   .g = g,
+                                  .middle = 0.5 * (n - 1),
                                   .pitch = pitch_of(g),
-                                  .spans = -1,
-                                  .column = -1,
+                                  .table = rows * pitch_of(g),
+                                  .spanned = -1,
+                                  .block = -1,
                                   .by_wide = gp_cpu_wide()};
-    t = gp_sky_place_of(s, 1, before + (first + 0.5 * (n - 1)) * g->step,
-                        &slope);
+    t = gp_sky_place_of(s, 1, before + (first + w->middle) * g->step, &slope);
     w->place = gp_sky_cubic(t, s->places.n[1], at);
-    for (int k = 0; k < 4; k++)
-        w->at[k] = (float) at[k];
     for (int r = 0; r < n; r++) {
         t = gp_sky_place_of(s, 1, before + (first + r) * g->step, &slope);
         // by the same four, beyond which a group is but little
         (void) gp_sky_cubic(t - w->place, 4, w->row[r]);
     }
+    for (int k = 0; k < 4; k++) {
+        w->at[0][k] = (float) at[k];
+        w->at[1][k] =
+            n > 1 ? (float) ((w->row[n - 1][k] - w->row[0][k]) / (n - 1))
+                  : 0.0f;
+    }
     w->places = scratch;
-    w->value = w->places + columns * g->size;
-    w->slope = w->value + rows * w->pitch;
-    memset(w->value, 0, 2 * rows * w->pitch * sizeof *w->value);
-    w->known = (bool *) (void *) (w->slope + rows * w->pitch);
+    w->value = w->places + 2 * columns * g->size;
+    memset(w->value, 0, 4 * w->table * sizeof *w->value);
+    w->known = (bool *) (void *) (w->value + 4 * w->table);
     memset(w->known, 0, columns);
-    w->span = (short *) (void *) (w->slope + rows * w->pitch + columns);
+    w->span = (short *) (void *) (w->value + 4 * w->table + columns);
     w->laid = w->span + 2 * rows;
+    w->column = w->laid + 2 * rows;
+    w->spans = w->column + 2 * g->pitch;
     memset(w->laid, 0, 2 * rows * sizeof *w->laid);
-    return w->slope + rows * w->pitch + columns + 2 * rows + BLOCK;
+    return scratch + gp_sky_weights_room(s, g);
 }
 
 /* The sum of four times weights. */
@@ -138,18 +129,19 @@ GP_CLONES_WIDE static void add_four(const float *const from[4],
                 at[3] * from[3][i];
 }
 
-/* The same to the weights of a block, as far as they are laid. `next`: the sum is the
- * next block's, and what this one's slope leads to becomes its value. */
+/* The same to tables of a block, as far as they are laid: of `value` and its slope.
+ * `next`: the sum is the next block's, and what this one's slope leads to becomes its
+ * value. */
 GP_CLONES static void add_rows(const struct gp_sky_weights *w,
                                const float *const from[4], const float at[4],
-                               bool next)
+                               bool next, float *to)
 {
     const struct gp_sky_level *const g = w->g;
     const float block = (float) g->block, step = 1.0f / block;
     for (int j = 0; j <= 2 * g->ry; j++) {
         const size_t row = (size_t) j * g->pitch;
-        float *const value = w->value + PAD + (size_t) j * w->pitch;
-        float *const slope = w->slope + PAD + (size_t) j * w->pitch;
+        float *const value = to + PAD + (size_t) j * w->pitch;
+        float *const slope = value + w->table;
         for (int i = w->laid[2 * j] / LANES * LANES; i < w->laid[2 * j + 1];
              i += LANES) {
             const lanes v = at[0] * *(const loose *) (from[0] + row + i) +
@@ -168,16 +160,38 @@ GP_CLONES static void add_rows(const struct gp_sky_weights *w,
     }
 }
 
+/* Widens the spans of rows by others; by[0] >= by[1]: nothing. */
+static void widen(short *span, const short *by, int rows)
+{
+    for (int j = 0; j < rows; j++, span += 2, by += 2) {
+        const bool none = span[0] >= span[1];
+        if (by[0] >= by[1])
+            continue;
+        span[0] = none || by[0] < span[0] ? by[0] : span[0];
+        span[1] = none || by[1] > span[1] ? by[1] : span[1];
+    }
+}
+
+/* Finds weights of a column of places, and where the level tilts how they grow; and
+ * their spans. */
 static void find_places(struct gp_sky_weights *w, int i)
 {
     const struct gp_sky_level *const g = w->g;
+    const size_t columns = (size_t) w->s->places.n[0];
+    const int rows = 2 * g->ry + 1;
     const float *from[4];
-    for (int k = 0; k < 4; k++)
-        from[k] =
-            g->weight + ((size_t) (w->place + k) * (size_t) w->s->places.n[0] +
-                         (size_t) i) *
-                            g->size;
-    add_four(from, w->at, g->size, w->places + (size_t) i * g->size);
+    short *const span = w->spans + 2 * i * rows;
+    if (w->known[i])
+        return;
+    memset(span, 0, 2 * (size_t) rows * sizeof *span);
+    for (size_t k = 0; k < 4; k++) {
+        const size_t at = ((size_t) w->place + k) * columns + (size_t) i;
+        from[k] = g->weight + at * g->size;
+        widen(span, g->span + 2 * at * (size_t) rows, rows);
+    }
+    for (size_t p = 0; p < (g->tilts ? 2 : 1); p++)
+        add_four(from, w->at[p], g->size,
+                 w->places + (p * columns + (size_t) i) * g->size);
     w->known[i] = true;
 }
 
@@ -186,52 +200,43 @@ static void find_spans(struct gp_sky_weights *w, int place)
 {
     const struct gp_sky_level *const g = w->g;
     const int rows = 2 * g->ry + 1;
-    for (int j = 0; j < rows; j++) {
-        w->span[2 * j] = (short) (2 * g->rx + 1);
-        w->span[2 * j + 1] = 0;
-    }
+    if (w->spanned == place)
+        return;
+    w->spanned = place;
+    memset(w->span, 0, 2 * (size_t) rows * sizeof *w->span);
     // five columns: a block may end among the next four
-    for (int k = 0; k < 20; k++) {
-        const int column = gp_min(place + k % 5, w->s->places.n[0] - 1);
-        const short *const span =
-            g->span +
-            2 * (size_t) rows *
-                ((size_t) (w->place + k / 5) * (size_t) w->s->places.n[0] +
-                 (size_t) column);
-        for (int j = 0; j < rows; j++) {
-            if (span[2 * j] >= span[2 * j + 1])
-                continue;
-            if (span[2 * j] < w->span[2 * j])
-                w->span[2 * j] = span[2 * j];
-            if (span[2 * j + 1] > w->span[2 * j + 1])
-                w->span[2 * j + 1] = span[2 * j + 1];
+    for (int i = place; i < gp_min(place + 5, w->s->places.n[0]); i++) {
+        find_places(w, i);
+        widen(w->span, w->spans + 2 * i * rows, rows);
+    }
+    widen(w->laid, w->span, rows); // of blocks before, too
+    for (int i = 0; i <= 2 * g->rx; i++) {
+        w->column[2 * i] = (short) rows;
+        w->column[2 * i + 1] = 0;
+    }
+    for (int j = 0; j < rows; j++) {
+        for (int i = w->span[2 * j]; i < w->span[2 * j + 1]; i++) {
+            // as many as a sum starts and ends with
+            const int from = gp_min(w->column[2 * i], gp_min(j, rows - ROWS));
+            w->column[2 * i] = (short) from;
+            w->column[2 * i + 1] = (short) gp_max(j + 1, from + ROWS);
         }
     }
-    w->spans = place;
 }
 
-/* Points at the four columns of places around a column of the level. */
-static void point_at(struct gp_sky_weights *w, const struct gp_sky_column *b,
-                     const float *from[4])
+/* Adds the weights of a column of the level to the tables, by those of four columns of
+ * places. */
+static void add_column(struct gp_sky_weights *w, const struct gp_sky_column *b,
+                       bool next)
 {
-    for (int k = 0; k < 4; k++) {
-        if (!w->known[b->place + k])
-            find_places(w, b->place + k);
-        from[k] = w->places + (size_t) (b->place + k) * w->g->size;
-    }
-}
-
-/* Writes over what is laid of blocks before, too. */
-static void widen_laid(struct gp_sky_weights *w)
-{
-    for (int j = 0; j <= 2 * w->g->ry; j++) {
-        short *const laid = w->laid + 2 * j;
-        const short *const span = w->span + 2 * j;
-        if (span[0] >= span[1])
-            continue;
-        const bool none = laid[0] >= laid[1];
-        laid[0] = none || span[0] < laid[0] ? span[0] : laid[0];
-        laid[1] = none || span[1] > laid[1] ? span[1] : laid[1];
+    const size_t size = w->g->size, columns = (size_t) w->s->places.n[0];
+    for (int k = 0; k < 4; k++)
+        find_places(w, b->place + k);
+    for (size_t p = 0; p < (w->g->tilts ? 2 : 1); p++) {
+        const float *from[4];
+        for (size_t k = 0; k < 4; k++)
+            from[k] = w->places + (p * columns + (size_t) b->place + k) * size;
+        add_rows(w, from, b->at, next, w->value + 2 * p * w->table);
     }
 }
 
@@ -239,17 +244,11 @@ static void widen_laid(struct gp_sky_weights *w)
 void gp_sky_find_block(struct gp_sky_weights *w, int i)
 {
     const struct gp_sky_level *const g = w->g;
-    const float *from[4];
-    if (w->spans != g->column[i].place) {
-        find_spans(w, g->column[i].place);
-        widen_laid(w);
-    }
+    find_spans(w, g->column[i].place);
     // where the last block was another than the one before, its end is not known
-    for (int k = w->column == i ? i + 1 : i; k <= i + 1; k++) {
-        point_at(w, &g->column[k], from);
-        add_rows(w, from, g->column[k].at, true);
-    }
-    w->column = i + 1;
+    for (int k = w->block == i ? i + 1 : i; k <= i + 1; k++)
+        add_column(w, &g->column[k], true);
+    w->block = i + 1;
 }
 
 /* Fills the factors that make the sum of a block's weights right in each row. */
@@ -257,79 +256,132 @@ void gp_sky_find_factors(const struct gp_sky_weights *w, int i, int n,
                          float *factor)
 {
     const struct gp_sky_column *const b = &w->g->column[i];
-    double middle = 0.0, sum[2 * ROWS] = {0};
+    double middle = 0.0, grows = 0.0, sum[GP_SKY_BAND] = {0};
     for (int j = 0; j < 4; j++) {
         double across = 0.0;
         for (int k = 0; k < 4; k++)
             across +=
                 (double) b->at[k] *
                 w->g->sum[(w->place + j) * w->s->places.n[0] + b->place + k];
-        middle += (double) w->at[j] * across;
+        middle += (double) w->at[0][j] * across;
+        grows += w->g->tilts ? (double) w->at[1][j] * across : 0.0;
         for (int r = 0; r < n; r++)
             sum[r] += w->row[r][j] * across;
     }
     for (int r = 0; r < n; r++)
-        factor[r] = (float) (sum[r] / middle);
+        factor[r] = (float) (sum[r] / (middle + (r - w->middle) * grows));
 }
 
 // -- sums ---------------------------------------------------------------------
 
 /* Sums dense light around the BLOCK columns and ROWS rows from (x, y) on, so many
- * columns at a time as a vector has. */
-#define SUM_DENSE(name, vector, unaligned, target)                            \
-    target static void name(const struct gp_sky_weights *w,                   \
-                            const struct gp_sky_grid *light, int x, int y,    \
-                            float sum[ROWS][3][BLOCK])                        \
-    {                                                                         \
-        enum { N = sizeof(vector) / sizeof(float) };                          \
-        const struct gp_sky_level *const g = w->g;                            \
-        const ptrdiff_t pitch = (ptrdiff_t) light->pitch;                     \
-        for (int at = 0; at < g->block; at += N) {                            \
-            vector a[ROWS][3] = {0}, lane = {0};                              \
-            for (int k = 0; k < N; k++)                                       \
-                lane[k] = (float) (at + k);                                   \
-            for (int j = 0; j <= 2 * g->ry; j++) {                            \
-                const float *const value = w->value + (size_t) j * w->pitch;  \
-                const float *const slope = w->slope + (size_t) j * w->pitch;  \
-                const ptrdiff_t from =                                        \
-                    (ptrdiff_t) (y - j + g->ry) * pitch + x + at + g->rx;     \
-                const float *const v0 = light->v[0] + from,                   \
-                                   *const v1 = light->v[1] + from,            \
-                                   *const v2 = light->v[2] + from;            \
-                for (int i = w->span[2 * j]; i < w->span[2 * j + 1]; i++) {   \
-                    const vector by = value[PAD + i] + lane * slope[PAD + i]; \
-                    _Pragma("GCC unroll 4") for (int r = 0; r < ROWS; r++)    \
-                    {                                                         \
-                        const ptrdiff_t of = r * pitch - i;                   \
-                        a[r][0] += by * *(const unaligned *) (v0 + of);       \
-                        a[r][1] += by * *(const unaligned *) (v1 + of);       \
-                        a[r][2] += by * *(const unaligned *) (v2 + of);       \
-                    }                                                         \
-                }                                                             \
-            }                                                                 \
-            for (int r = 0; r < ROWS; r++) {                                  \
-                for (int c = 0; c < 3; c++)                                   \
-                    memcpy(sum[r][c] + at, &a[r][c], sizeof(vector));         \
-            }                                                                 \
-        }                                                                     \
+ * columns at a time as a vector has. Down a column of weights each row of light meets
+ * the weights of ROWS rows: `u` has those of rows j, j + 1 .. before it, and `d` by how
+ * much they grow with a row; at both ends only some of them. */
+#define SUM_DENSE(name, vector, unaligned, target)                             \
+    static inline __attribute__((always_inline)) void name##_row(              \
+        vector a[ROWS][3], const vector u[ROWS], const vector d[ROWS],         \
+        const float *down, const float *const v[3], int from, int to)          \
+    {                                                                          \
+        const vector l0 = *(const unaligned *) v[0];                           \
+        const vector l1 = *(const unaligned *) v[1];                           \
+        const vector l2 = *(const unaligned *) v[2];                           \
+        _Pragma("GCC unroll 4") for (int r = from; r < to; r++)                \
+        {                                                                      \
+            const vector by = down ? u[r] + down[r] * d[r] : u[r];             \
+            a[r][0] += by * l0;                                                \
+            a[r][1] += by * l1;                                                \
+            a[r][2] += by * l2;                                                \
+        }                                                                      \
+    }                                                                          \
+    static inline __attribute__((always_inline)) void name##_column(           \
+        const struct gp_sky_weights *w, int i, vector lane, const float *down, \
+        const float *const light[3], ptrdiff_t pitch, vector a[ROWS][3])       \
+    {                                                                          \
+        const int first = w->column[2 * i], end = w->column[2 * i + 1];        \
+        const float *at = w->value + (size_t) (end - 1) * w->pitch + PAD + i;  \
+        const ptrdiff_t from = -(ptrdiff_t) (end - 1) * pitch;                 \
+        const float *v[3] = {light[0] + from, light[1] + from,                 \
+                             light[2] + from};                                 \
+        vector u[ROWS] = {0}, d[ROWS] = {0};                                   \
+        for (int j = end - 1, n = 1; j > first - ROWS; j--, n++) {             \
+            _Pragma("GCC unroll 4") for (int r = ROWS - 1; r > 0; r--)         \
+            {                                                                  \
+                u[r] = u[r - 1];                                               \
+                d[r] = d[r - 1];                                               \
+            }                                                                  \
+            if (j >= first) {                                                  \
+                u[0] = at[0] + lane * at[w->table];                            \
+                if (down)                                                      \
+                    d[0] = at[2 * w->table] + lane * at[3 * w->table];         \
+                at -= w->pitch;                                                \
+            }                                                                  \
+            if (n >= ROWS && j >= first)                                       \
+                name##_row(a, u, d, down, v, 0, ROWS);                         \
+            else if (n == 1)                                                   \
+                name##_row(a, u, d, down, v, 0, 1);                            \
+            else if (n == 2)                                                   \
+                name##_row(a, u, d, down, v, 0, 2);                            \
+            else if (n == 3)                                                   \
+                name##_row(a, u, d, down, v, 0, 3);                            \
+            else if (j == first - 1)                                           \
+                name##_row(a, u, d, down, v, 1, ROWS);                         \
+            else if (j == first - 2)                                           \
+                name##_row(a, u, d, down, v, 2, ROWS);                         \
+            else                                                               \
+                name##_row(a, u, d, down, v, 3, ROWS);                         \
+            for (int c = 0; c < 3; c++)                                        \
+                v[c] += pitch;                                                 \
+        }                                                                      \
+    }                                                                          \
+    target static void name(const struct gp_sky_weights *w,                    \
+                            const struct gp_sky_grid *light, int x, int y,     \
+                            const float *down, float sum[ROWS][3][BLOCK])      \
+    {                                                                          \
+        enum { N = sizeof(vector) / sizeof(float) };                           \
+        const struct gp_sky_level *const g = w->g;                             \
+        const ptrdiff_t pitch = (ptrdiff_t) light->pitch;                      \
+        for (int at = 0; at < g->block; at += N) {                             \
+            vector a[ROWS][3] = {0}, lane = {0};                               \
+            for (int k = 0; k < N; k++)                                        \
+                lane[k] = (float) (at + k);                                    \
+            for (int i = 0; i <= 2 * g->rx; i++) {                             \
+                const ptrdiff_t of = (y + g->ry) * pitch + x + at + g->rx - i; \
+                const float *const v[3] = {light->v[0] + of, light->v[1] + of, \
+                                           light->v[2] + of};                  \
+                if (w->column[2 * i] >= w->column[2 * i + 1])                  \
+                    continue;                                                  \
+                if (down)                                                      \
+                    name##_column(w, i, lane, down, v, pitch, a);              \
+                else                                                           \
+                    name##_column(w, i, lane, NULL, v, pitch, a);              \
+            }                                                                  \
+            for (int r = 0; r < ROWS; r++) {                                   \
+                for (int c = 0; c < 3; c++)                                    \
+                    memcpy(sum[r][c] + at, &a[r][c], sizeof(vector));          \
+            }                                                                  \
+        }                                                                      \
     }
 
 SUM_DENSE(sum_narrow, lanes, loose, GP_CLONES)
 SUM_DENSE(sum_wide, wide, loose_wide, GP_WIDE)
 
 void gp_sky_sum_dense(const struct gp_sky_weights *w,
-                      const struct gp_sky_grid *light, int x, int y,
+                      const struct gp_sky_grid *light, int x, int y, int r,
                       float sum[ROWS][3][BLOCK])
 {
-    (w->by_wide && w->g->block == BLOCK ? sum_wide : sum_narrow)(w, light, x, y,
-                                                                 sum);
+    float down[ROWS];
+    for (int k = 0; k < ROWS; k++)
+        down[k] = (float) (r + k - w->middle);
+    (w->by_wide && w->g->block == BLOCK ? sum_wide : sum_narrow)(
+        w, light, x, y, w->g->tilts ? down : NULL, sum);
 }
 
-/* Adds the sources [from, to) of a row, `down` rows above the first of ROWS rows
- * whose block starts at column x. */
+/* Adds the sources [from, to) of a row, `down` rows above row r of the group, the first
+ * of ROWS rows whose block starts at column x. */
 GP_CLONES void gp_sky_sum_few(const struct gp_sky_weights *w,
                               const struct gp_sources *src, uint32_t from,
-                              uint32_t to, int x, int down,
+                              uint32_t to, int x, int down, int r,
                               float sum[ROWS][3][BLOCK])
 {
     const struct gp_sky_level *const g = w->g;
@@ -337,17 +389,22 @@ GP_CLONES void gp_sky_sum_few(const struct gp_sky_weights *w,
     const int end = gp_min(ROWS, g->ry - down + 1);
     for (uint32_t i = from; i < to; i++) {
         const ptrdiff_t at = x - src->x[i] + g->rx + PAD;
-        for (int r = first; r < end; r++) {
-            const ptrdiff_t row =
-                (ptrdiff_t) (down + r + g->ry) * (ptrdiff_t) w->pitch + at;
-            for (int k = 0; k < g->block; k += LANES) {
-                const float f = (float) k;
+        for (int k = first; k < end; k++) {
+            const float *const row =
+                w->value + at +
+                (ptrdiff_t) (down + k + g->ry) * (ptrdiff_t) w->pitch;
+            const float of = (float) (r + k - w->middle);
+            for (int b = 0; b < g->block; b += LANES) {
+                const float f = (float) b, *const v = row + b;
                 const lanes lane = {f,     f + 1, f + 2, f + 3,
                                     f + 4, f + 5, f + 6, f + 7};
-                const lanes by = *(const loose *) (w->value + row + k) +
-                                 lane * *(const loose *) (w->slope + row + k);
+                lanes by =
+                    *(const loose *) v + lane * *(const loose *) (v + w->table);
+                if (g->tilts)
+                    by += of * (*(const loose *) (v + 2 * w->table) +
+                                lane * *(const loose *) (v + 3 * w->table));
                 for (int c = 0; c < 3; c++)
-                    *(loose *) (sum[r][c] + k) += by * src->rgb[c][i];
+                    *(loose *) (sum[k][c] + b) += by * src->rgb[c][i];
             }
         }
     }
@@ -394,14 +451,9 @@ void gp_sky_sum_nodes(const struct gp_sky *s, int l, int row,
     (void) gp_sky_weights_open(s, l, row, 1, scratch, &w);
     for (int x = 0; x < g->w; x++) {
         const struct gp_sky_column *const b = &g->column[x];
-        const float *from[4];
         float sum[3];
-        if (w.spans != b->place) {
-            find_spans(&w, b->place);
-            widen_laid(&w);
-        }
-        point_at(&w, b, from);
-        add_rows(&w, from, b->at, false);
+        find_spans(&w, b->place);
+        add_column(&w, b, false);
         sum_node(&w, light, x, y, sum);
         for (size_t c = 0; c < 3; c++)
             to[c * across + (size_t) x] = sum[c];
@@ -438,11 +490,11 @@ void gp_sky_spread(const struct gp_sky *s, int l,
         return;
     (void) gp_sky_weights_open(s, l, first, n, scratch, &w);
     for (int x = 0; x < g->w; x += g->block) {
-        float sum[ROWS][3][BLOCK], factor[2 * ROWS];
+        float sum[ROWS][3][BLOCK], factor[GP_SKY_BAND];
         gp_sky_find_block(&w, x / g->block);
         gp_sky_find_factors(&w, x / g->block, n, factor);
         for (int r = 0; r < n; r += ROWS) {
-            gp_sky_sum_dense(&w, light, x, first + r, sum);
+            gp_sky_sum_dense(&w, light, x, first + r, r, sum);
             gp_sky_put_block(sum, factor + r, gp_min(g->block, g->w - x),
                              gp_min(ROWS, n - r), wide, across,
                              to + (size_t) r * wide + (size_t) x);

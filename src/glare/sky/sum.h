@@ -16,6 +16,8 @@ struct gp_sky_grid {
 GP_MUST_CHECK gp_status gp_sky_grid_make(const struct gp_log *log,
                                          const struct gp_sky_level *g,
                                          struct gp_sky_grid *out);
+bool gp_sky_grid_fits(const struct gp_sky_grid *g,
+                      const struct gp_sky_level *level);
 void gp_sky_grid_free(struct gp_sky_grid *g);
 
 static inline float *gp_sky_grid_row(const struct gp_sky_grid *g, int c, int y)
@@ -23,10 +25,12 @@ static inline float *gp_sky_grid_row(const struct gp_sky_grid *g, int c, int y)
     return g->v[c] + (ptrdiff_t) y * (ptrdiff_t) g->pitch;
 }
 
-/* Floats of a row of n pixels, with room for whole blocks. */
+/* Floats of a row of n pixels, with room for whole blocks: an odd number of these, so
+ * that rows do not share lines of a cache. */
 static inline size_t gp_sky_row_room(int n)
 {
-    return ((size_t) n + 2 * GP_SKY_BLOCK - 1) / GP_SKY_BLOCK * GP_SKY_BLOCK;
+    return (((size_t) n + 2 * GP_SKY_BLOCK - 1) / GP_SKY_BLOCK | 1) *
+           GP_SKY_BLOCK;
 }
 
 /* For each row of a frame and each block of columns, its first source: at
@@ -35,18 +39,13 @@ struct gp_sky_index {
     int blocks;
     uint32_t *at; // owned
 };
-GP_MUST_CHECK gp_status gp_sky_index_make(const struct gp_log *log,
-                                          const struct gp_sources *src,
-                                          struct gp_sky_index *out);
+GP_MUST_CHECK gp_status gp_sky_index_make(const struct gp_log *log, int w,
+                                          int h, struct gp_sky_index *out);
+void gp_sky_index_fill(const struct gp_sky_index *index,
+                       const struct gp_sources *src);
 
 /* Floats of scratch for a thread. */
 size_t gp_sky_room(const struct gp_sky *s);
-
-/* to += by * from, n of each. */
-void gp_sky_add_scaled(float *to, const float *from, float by, int n);
-
-/* The sum of n products. */
-float gp_sky_dot(const float *a, const float *b, int n);
 
 // -- weights of a block: sum.c ---------------------------------------------------
 
@@ -57,23 +56,29 @@ enum {
                           // sources of whole blocks that do not reach it
 };
 
-/* Weights of a group of rows, in their middle: for each column of places, found
- * when a block asks; and those of a block, linear between its first column and the
- * next block's. */
+/* Weights of a group of rows. They are found for its middle, for each column of places
+ * when a block asks; those of a block are linear between its first column and the next
+ * block's. Where the level tilts they are linear in the row, too. */
 struct gp_sky_weights {
     const struct gp_sky *s;
     const struct gp_sky_level *g;
-    int place;                      // first row of four
-    float at[4];                    // their weights
-    double row[2 * GP_SKY_ROWS][4]; // the same in each row
-    float *places;                  // g->size of each column of places
-    bool *known;                    // of each
-    size_t pitch;                   // of the next
-    float *value, *slope;           // [ry + dy][GP_SKY_PAD + rx + dx]
-    short *span;                    // as g->span
-    short *laid;       // ... and of what may not be 0 in value and slope
-    int spans, column; // places that `span` is of; column of `value`; -1: none
-    bool by_wide;      // vectors of BLOCK are there
+    int place;      // first row of four
+    float at[2][4]; // their weights; and by how much these grow with a row
+    double middle;  // row of the group
+    double row[GP_SKY_BAND][4]; // weights in each row
+    float *places;              // [2][column of places][g->size]
+    bool *known;                // of each
+    size_t pitch, table;        // of rows of tables; of tables
+    float *value;  // [value, its slope along, its slope down, that one's slope
+                   // along][ry + dy][GP_SKY_PAD + rx + dx]
+    short *span;   // as g->span
+    short *column; // [rx + dx][2]: rows that are not 0, from and to: 4 at least
+    short *laid;   // as span, of what may not be 0 in the tables
+    short *spans;  // as span, of each column of places
+    int spanned,
+        block;    // places that `span` is of; block of the end of `value`; -1:
+                  // none
+    bool by_wide; // vectors of BLOCK are there
 };
 
 /* Floats of scratch that weights of a level take. */
@@ -88,18 +93,30 @@ float *gp_sky_weights_open(const struct gp_sky *s, int level, int first, int n,
 /* Finds the weights of block i, of BLOCK columns or half of them. */
 void gp_sky_find_block(struct gp_sky_weights *w, int i);
 
+/* Weight i of a table in the group's row r and column `lane` of the block. */
+static inline float gp_sky_weight_at(const struct gp_sky_weights *w, size_t i,
+                                     float lane, int r)
+{
+    const float *const v = w->value + i;
+    const float along = v[0] + lane * v[w->table];
+    return along +
+           (float) (r - w->middle) * (v[2 * w->table] + lane * v[3 * w->table]);
+}
+
 /* Fills the factors that make the sum of a block's weights right in each of n rows. */
 void gp_sky_find_factors(const struct gp_sky_weights *w, int i, int n,
                          float *factor);
 
-/* Sum light around a block of ROWS rows from (x, y) on: dense; or, added, that of the
- * sources [from, to) of a row, which is `down` rows above y. */
+/* Sum light around a block of ROWS rows, from column x and the group's row r on: dense,
+ * which has row r as y; or, added, that of the sources [from, to) of a row, which is
+ * `down` rows above r. */
 void gp_sky_sum_dense(const struct gp_sky_weights *w,
-                      const struct gp_sky_grid *light, int x, int y,
+                      const struct gp_sky_grid *light, int x, int y, int r,
                       float sum[GP_SKY_ROWS][3][GP_SKY_BLOCK]);
 void gp_sky_sum_few(const struct gp_sky_weights *w,
                     const struct gp_sources *src, uint32_t from, uint32_t to,
-                    int x, int down, float sum[GP_SKY_ROWS][3][GP_SKY_BLOCK]);
+                    int x, int down, int r,
+                    float sum[GP_SKY_ROWS][3][GP_SKY_BLOCK]);
 
 /* Puts a block's sums, times factors, into n rows of so many columns: of channel c and
  * row r at to + r * down + c * across. */
@@ -120,8 +137,6 @@ void gp_sky_sum_nodes(const struct gp_sky *s, int level, int row,
 void gp_sky_spread(const struct gp_sky *s, int level,
                    const struct gp_sky_grid *light, int group,
                    float *const out[3], float *scratch);
-
-enum { GP_SKY_BAND = 16 }; // rows of pixels
 
 /* Fills n rows of pixels, BAND at most, with what near sources spread:
  * rows[row][channel]. */

@@ -8,8 +8,6 @@
 #include "glare_scene.h"
 #include "model_scene.h"
 
-static const float none[3];
-
 static struct gp_sky_params params(const char *recipe, int w, int h, double fov,
                                    double tolerance)
 {
@@ -59,13 +57,27 @@ static struct gp_sources lamps(int w, int h, int n, int x, int y)
     return s;
 }
 
+static void add(const struct gp_sky *sky, const struct gp_sources *src,
+                bool more, float stays, struct gp_planes *layer)
+{
+    struct gp_sky_kept *kept = NULL;
+    const struct gp_sky_drawing d = {
+        .src = src,
+        .add = more,
+        .more = {stays, stays, stays},
+        .layer = layer,
+    };
+    assert_ok(gp_sky_add(NULL, sky, &d, &kept));
+    gp_sky_kept_free(&kept);
+}
+
 static struct gp_planes layer_of(const struct gp_sky *sky,
                                  const struct gp_sources *src)
 {
     struct gp_planes p;
     assert_ok(
         gp_planes_make(NULL, "layer", (size_t) src->w * (size_t) src->h, &p));
-    assert_ok(gp_sky_add(NULL, sky, src, false, none, NULL, NULL, &p));
+    add(sky, src, false, 0.0f, &p);
     return p;
 }
 
@@ -294,14 +306,13 @@ static void laws_hold(void **state)
     assert_memory_equal(one.c[0], other.c[0], N * sizeof(float));
     assert_memory_equal(one.c[2], other.c[2], N * sizeof(float));
     const float taken = (float) gp_sky_give(less);
-    const float more[3] = {taken, taken, taken};
     assert_true(taken > 0.1f && gp_sky_given(less) == (double) taken);
-    assert_ok(gp_sky_add(NULL, less, &src, false, more, NULL, NULL, &other));
+    add(less, &src, false, taken, &other);
     for (int i = 0; i < N; i++)
         assert_true(fabsf(one.c[1][i] - other.c[1][i]) <= 1e-6f * one.c[1][i]);
     for (size_t i = 0; i < 3 * src.n; i++)
         src.rgb[i % 3][i / 3] *= 2.0f;
-    assert_ok(gp_sky_add(NULL, sky, &src, true, none, NULL, NULL, &one));
+    add(sky, &src, true, 0.0f, &one);
     struct gp_planes twice = layer_of(sky, &src);
     for (int i = 0; i < N; i++)
         assert_true(fabsf(one.c[0][i] - 1.5f * twice.c[0][i]) <=
