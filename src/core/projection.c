@@ -120,9 +120,17 @@ void gp_projection_solid_row(const struct gp_projection *p, double x, double y,
 double gp_projection_chord2(const struct gp_projection *p, double x, double y,
                             double to_x, double to_y)
 {
-    if (p->kind == GP_PLANE) {
-        const double u = (to_x - x) * p->dx, v = (to_y - y) * p->dy;
+    const double u = (to_x - x) * p->dx, v = (to_y - y) * p->dy;
+    if (p->kind == GP_PLANE)
         return u * u + v * v;
+    if (p->kind == GP_PERSPECTIVE) {
+        // of (u, v, 1), lengths a and b: (apart^2 - (a - b)^2) / (a b)
+        const double u0 = (x - p->x0) * p->dx, u1 = u0 + u;
+        const double v0 = (y - p->y0) * p->dy, v1 = v0 + v;
+        const double a = sqrt(1.0 + u0 * u0 + v0 * v0);
+        const double b = sqrt(1.0 + u1 * u1 + v1 * v1);
+        const double less = (u * (u0 + u1) + v * (v0 + v1)) / (a + b);
+        return (u * u + v * v - less * less) / (a * b);
     }
     const struct gp_v3 apart = gp_v3_sub(gp_projection_direction(p, to_x, to_y),
                                          gp_projection_direction(p, x, y));

@@ -135,11 +135,11 @@ double gp_sky_outside(const struct gp_sky *s, double x, double y)
 // -- a table of places --------------------------------------------------------
 
 /* Pixels 0 .. n - 1 at which the share is known: each at both borders, and then as far
- * apart as an eighth of the way from there; the same from either side. */
+ * apart as a sixth of the way from there; the same from either side. */
 static int lay_axis(int n, int *at)
 {
     int count = 0, half;
-    for (int i = 0; 2 * i <= n - 1; i += gp_max(1, i / 8))
+    for (int i = 0; 2 * i <= n - 1; i += gp_max(1, i / 6))
         at[count++] = i;
     half = count;
     for (int k = half - 1; k >= 0; k--) {
