@@ -21,49 +21,58 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIDE = 32 }; // frequencies of an axis
+enum { SIDE = 64 }; // most frequencies of an axis
 
 struct complex {
     double re, im;
 };
 
-/* Adds v times the wave of frequency i of SIDE at `at`. */
+/* Adds v times the wave of frequency i of n at `at`. */
 static inline void add_wave(struct complex *sum, struct complex v,
-                            const double turn[SIDE][2], int i, int at)
+                            const double turn[SIDE][2], int n, int i, int at)
 {
-    const double *const t = turn[(i * (at + 4096 * SIDE)) % SIDE];
+    const double *const t = turn[i * (at + n) % n];
     sum->re += v.re * t[0] + v.im * t[1];
     sum->im += v.im * t[0] - v.re * t[1];
 }
 
-/* The spectrum of w x h samples, the middle one at 0. */
-static void find_spectrum(const double *v, int w, int h,
+/* The spectrum of n x n samples, the middle one at 0. */
+static void find_spectrum(const double *v, int n,
                           struct complex out[SIDE][SIDE])
 {
     double turn[SIDE][2];
-    for (int i = 0; i < SIDE; i++) {
-        const double t = 2.0 * M_PI * i / SIDE;
+    for (int i = 0; i < n; i++) {
+        const double t = 2.0 * M_PI * i / n;
         turn[i][0] = gp_cos(t);
         turn[i][1] = gp_sin(t);
     }
     memset(out, 0, SIDE * sizeof *out);
-    for (int y = 0; y < h; y++) {
+    for (int y = 0; y < n; y++) {
         struct complex line[SIDE] = {{0}};
-        for (int x = 0; x < w; x++) {
-            const struct complex at = {v[y * w + x], 0.0};
-            for (int i = 0; i < SIDE && at.re != 0.0; i++)
-                add_wave(&line[i], at, turn, i, x - w / 2);
+        for (int x = 0; x < n; x++) {
+            const struct complex at = {v[y * n + x], 0.0};
+            for (int i = 0; i < n && at.re != 0.0; i++)
+                add_wave(&line[i], at, turn, n, i, x - n / 2);
         }
-        for (int j = 0; j < SIDE; j++) {
-            for (int i = 0; i < SIDE; i++)
-                add_wave(&out[j][i], line[i], turn, j, y - h / 2);
+        for (int j = 0; j < n; j++) {
+            for (int i = 0; i < n; i++)
+                add_wave(&out[j][i], line[i], turn, n, j, y - n / 2);
         }
     }
 }
 
-static struct gp_far_keeping keep_of(int i)
+static struct gp_far_keeping keep_of(int i, int n)
 {
-    return gp_far_keep_of((double) (i <= SIDE / 2 ? i : i - SIDE) / SIDE);
+    return gp_far_keep_of((double) (i <= n / 2 ? i : i - n) / n);
+}
+
+/* Fades samples out in the outer quarter of a line: of far levels some have no end in
+ * a perspective, whose horizon is infinitely far away. */
+static double fade(int i, int n)
+{
+    const double out = fabs((double) (2 * i - n)) / n;
+    const double v = gp_cos(0.5 * M_PI * fmax(4.0 * out - 3.0, 0.0));
+    return v * v;
 }
 
 /* The norm of the error of a level at a place. Of the last one, whose term has no end,
@@ -78,15 +87,20 @@ static double level_error(const struct gp_sky *s, int l, const double at[2])
     const double side = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
     struct complex spectrum[SIDE][SIDE];
     double term[SIDE * SIDE], most = 0.0;
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        const double from[2] = {at[0] - (i % SIDE - SIDE / 2) * step,
-                                at[1] - (i / SIDE - SIDE / 2) * step};
-        term[i] = area * gp_sky_term(s, l, false, at, from, side);
+    // all of the term
+    const int n =
+        gp_max(s->level[l].rx, s->level[l].ry) < SIDE / 4 ? SIDE / 2 : SIDE;
+    for (int i = 0; i < n * n; i++) {
+        const double from[2] = {at[0] - (i % n - n / 2) * step,
+                                at[1] - (i / n - n / 2) * step};
+        term[i] = area * gp_sky_term(s, l, false, at, from, side) *
+                  fade(i % n, n) * fade(i / n, n);
     }
-    find_spectrum(term, SIDE, SIDE, spectrum);
-    for (int j = 0; j < SIDE; j++) {
-        for (int i = 0; i < SIDE; i++) {
-            const struct gp_far_keeping across = keep_of(i), down = keep_of(j);
+    find_spectrum(term, n, spectrum);
+    for (int j = 0; j < n; j++) {
+        for (int i = 0; i < n; i++) {
+            const struct gp_far_keeping across = keep_of(i, n),
+                                        down = keep_of(j, n);
             const double kept = across.kept * down.kept;
             const double eps =
                 sqrt(fmax(across.square * down.square - kept * kept, 0.0));

@@ -137,7 +137,7 @@ static void deposit(double u, double v, double light, int rx, int ry,
 void gp_sky_rings(const struct gp_sky_light *l, const struct gp_projection *p,
                   const double at[2], int rx, int ry, double *out)
 {
-    enum { TURNS = 96 };
+    enum { TURNS = 192 };
     static const double FIRST = 0.01, RATIO = 1.3, LAST = 3.5; // longest sides
     const struct gp_gauss *const g = gp_gauss_rule(5);
     const struct gp_metric m = gp_projection_metric(p, at[0], at[1]);
