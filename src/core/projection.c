@@ -132,6 +132,11 @@ double gp_projection_chord2(const struct gp_projection *p, double x, double y,
         const double less = (u * (u0 + u1) + v * (v0 + v1)) / (a + b);
         return (u * u + v * v - less * less) / (a * b);
     }
+    if (p->kind == GP_LATLONG) { // the haversine
+        const double a = gp_sin(0.5 * v), b = gp_sin(0.5 * u);
+        return 4.0 * (a * a + b * b * gp_cos((y - p->y0) * p->dy) *
+                                  gp_cos((to_y - p->y0) * p->dy));
+    }
     const struct gp_v3 apart = gp_v3_sub(gp_projection_direction(p, to_x, to_y),
                                          gp_projection_direction(p, x, y));
     return gp_v3_dot(apart, apart);

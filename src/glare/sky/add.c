@@ -6,7 +6,7 @@
 #include "core/parallel.h"
 #include "glare/far_field/far_field.h"
 #include "glare/sky/rows.h"
-#include "glare/sky/sky_priv.h"
+#include "glare/sky/sphere.h"
 #include "glare/sky/sum.h"
 
 #include <math.h>
@@ -23,7 +23,9 @@ struct gp_sky_kept {
         *node[GP_SKY_LEVELS][3]; // w * h: splines of it, and of farther levels
     struct gp_sky_index index;
     float *scratch;
-    size_t room; // floats of a thread
+    size_t room;                 // floats of a thread
+    struct gp_fft_matrix sphere; // coefficients of its rows
+    int sphere_w, sphere_h;
 };
 
 struct adding {
@@ -343,6 +345,7 @@ void gp_sky_kept_free(struct gp_sky_kept **kept)
     if (k) {
         gp_free(k->index.at);
         gp_free(k->scratch);
+        gp_fft_matrix_free(&k->sphere);
     }
     GP_FREE(*kept);
 }
@@ -388,9 +391,28 @@ out:
     return st;
 }
 
+static gp_status add_sphere(const struct gp_log *log, const struct gp_sky *sky,
+                            const struct gp_sky_drawing *d,
+                            struct gp_sky_kept **kept)
+{
+    const int w = sky->sphere->w, h = sky->sphere->h;
+    gp_status st = GP_OK;
+    if (*kept && ((*kept)->sphere_w != w || (*kept)->sphere_h != h))
+        gp_sky_kept_free(kept);
+    if (!*kept)
+        st = gp_alloc_zero(log, "layer", 1, sizeof **kept, kept);
+    if (st)
+        return st;
+    (*kept)->sphere_w = w;
+    (*kept)->sphere_h = h;
+    return gp_sky_sphere_add(log, sky, d, &(*kept)->sphere);
+}
+
 gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
                      const struct gp_sky_drawing *d, struct gp_sky_kept **kept)
 {
+    if (sky->sphere)
+        return add_sphere(log, sky, d, kept);
     gp_status st = keep(log, sky, kept);
     if (st)
         return st;

@@ -112,6 +112,17 @@ static double level_error(const struct gp_sky *s, int l, const double at[2])
     return last ? 2.0 * most : most;
 }
 
+/* That of all levels, over the layer. */
+static double levels_error(const struct gp_sky *s, const double at[2])
+{
+    double sum = 0.0;
+    for (int l = 1; l < s->levels; l++) {
+        const double e = level_error(s, l, at);
+        sum += e * e;
+    }
+    return sqrt(sum) / (s->spread + s->light.stays + s->p.stays);
+}
+
 /* The weights of a pixel, what stays in it among them, and how far those are apart
  * from them that are interpolated. w x h of each; `right` is owned. */
 struct apart {
@@ -124,19 +135,14 @@ static double error_at(const struct gp_sky *s, int x, int y,
                        const struct apart *a)
 {
     const double at[2] = {x, y};
-    double wrong = 0.0, right = 0.0, levels = 0.0;
+    double wrong = 0.0, right = 0.0;
     for (int i = 0; i < a->w * a->h; i++) {
         wrong += a->wrong[i] * a->wrong[i];
         const double v =
             a->right[i] + (i == a->w * a->h / 2 ? s->p.stays : 0.0);
         right += v * v;
     }
-    for (int l = 1; l < s->levels; l++) {
-        const double e = level_error(s, l, at);
-        levels += e * e;
-    }
-    return sqrt(wrong / right) +
-           sqrt(levels) / (s->spread + s->light.stays + s->p.stays);
+    return sqrt(wrong / right) + levels_error(s, at);
 }
 
 static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
@@ -186,10 +192,17 @@ out:
     return st;
 }
 
+static const double SURE = 1.5;    // between the places that are looked at
+static const double TABLES = 4e-5; // of curves, means and roundings
+
+void gp_sky_error_of_sphere(struct gp_sky *s)
+{
+    const double at[2] = {0.0, s->p.projection.y0};
+    s->error.relative = SURE * levels_error(s, at) + TABLES;
+}
+
 gp_status gp_sky_error_find(const struct gp_log *log, struct gp_sky *s)
 {
-    static const double SURE = 1.5;    // between the places that are looked at
-    static const double TABLES = 4e-5; // of curves, means and roundings
     gp_status st = GP_OK;
     for (int i = 0; i < 4 && !st; i++) { // middle, right, lower, corner
         const int x = i & 1 ? s->p.w - 1 : s->p.w / 2;

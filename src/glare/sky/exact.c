@@ -2,7 +2,7 @@
 /* The layer as it is defined, sample by sample, in double. */
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/sky/sky_priv.h"
+#include "glare/sky/sphere.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,6 +25,31 @@ static double share_of(const struct gp_sky *s, const double at[2],
                        from);
 }
 
+/* The sums of a pixel of a sphere. */
+static void sum_sphere(const struct gp_sky *s, const struct gp_sources *src,
+                       int x, int y, double sum[3])
+{
+    const struct gp_sky_sphere *const o = s->sphere;
+    const double at[2] = {x, y + o->y0};
+    for (int sy = 0; sy < src->h; sy++) {
+        const double solid =
+            gp_projection_solid(&s->p.projection, 0.0, sy + o->y0);
+        for (uint32_t i = src->row[sy]; i < src->row[sy + 1]; i++) {
+            // the shorter way around
+            const int dx = src->x[i] - x, most = o->w / 2;
+            const double from[2] = {x + (dx > most    ? dx - o->w
+                                         : dx < -most ? dx + o->w
+                                                      : dx),
+                                    sy + o->y0};
+            double share = solid * gp_sky_sphere_mean(s, at, from);
+            if (!dx && sy == y)
+                share += o->own[sy + o->y0];
+            for (size_t k = 0; k < 3; k++)
+                sum[k] += share * (double) src->rgb[k][i];
+        }
+    }
+}
+
 /* Pixels around one within two of its longest sides, the longest pixel that levels
  * serve being 16 times as long as wide. */
 enum { NEAR = 34, SIDE = 2 * NEAR + 1 };
@@ -36,6 +61,10 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
     const struct gp_projection *const p = &s->p.projection;
     const double at[2] = {x, y};
     const struct gp_sky_ellipse o = gp_sky_ellipse_at(p, x, y);
+    if (s->sphere) {
+        sum_sphere(s, src, x, y, sum);
+        return;
+    }
     const int rx = gp_min((int) ceil(2.0 * o.most * o.x) + 1, NEAR);
     const int ry = gp_min((int) ceil(2.0 * o.most * o.y) + 1, NEAR);
     bool known = false;

@@ -5,7 +5,7 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/far_field/far_field.h"
-#include "glare/sky/sky_priv.h"
+#include "glare/sky/sphere.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -179,13 +179,14 @@ static bool is_served(const struct gp_sky *s)
 {
     static const double MOST = 8.0 * M_PI / 180.0, LONG = 16.0;
     const struct gp_projection *const p = &s->p.projection;
-    if (p->kind == GP_PLANE || p->kind == GP_LATLONG)
+    if (p->kind == GP_PLANE)
         return false;
     for (int i = 0; i < 9; i++) {
         const double x = (i % 3) * 0.5 * (s->p.w - 1);
         const double y = (i / 3) * 0.5 * (s->p.h - 1);
         const struct gp_sky_ellipse e = gp_sky_ellipse_at(p, x, y);
-        if (!(e.most <= MOST && e.most <= LONG * e.least))
+        const bool round = p->kind == GP_LATLONG; // pixels of any length
+        if (!(e.most <= MOST && (round || e.most <= LONG * e.least)))
             return false;
         for (int k = 0; k < s->p.n; k++) {
             if (2.0 * s->ratio * e.most * (180.0 / M_PI) < s->p.part[k].bends)
@@ -287,6 +288,18 @@ out:
     return st;
 }
 
+/* Makes the sphere of a LATLONG frame, and bounds its error. */
+static gp_status make_sphere(const struct gp_log *log, struct gp_sky *s)
+{
+    gp_status st;
+    GP_TRY(gp_sky_outside_make(log, s));
+    GP_TRY(gp_sky_sphere_make(log, s));
+    if (s->sphere)
+        gp_sky_error_of_sphere(s);
+out:
+    return st;
+}
+
 gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
                       struct gp_sky **out)
 {
@@ -305,6 +318,14 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     if (!is_served(s))
         goto out;
     GP_TRY(gp_sky_light_make(log, p, &s->light));
+    if (p->projection.kind == GP_LATLONG) {
+        GP_TRY(make_sphere(log, s));
+        if (s->sphere) {
+            *out = s;
+            s = NULL;
+        }
+        goto out;
+    }
     count_levels(s);
     gp_sky_lay_places(s);
     s->even[0] = fabs(p->projection.x0 - 0.5 * (p->w - 1)) < MIDDLE;
@@ -326,6 +347,7 @@ void gp_sky_free(struct gp_sky **sky)
     struct gp_sky *const s = *sky;
     if (s) {
         free_levels(s);
+        gp_sky_sphere_free(&s->sphere);
         gp_free(s->light.curve.value);
         gp_free(s->within.value);
         gp_free(s->outer_at[0]);
@@ -337,14 +359,14 @@ void gp_sky_free(struct gp_sky **sky)
 
 double gp_sky_give(struct gp_sky *s)
 {
-    const int n = s->places.n[0] * s->places.n[1];
-    double least = INFINITY;
+    double least = INFINITY, *const own = s->sphere ? s->sphere->own : s->own;
+    const int n = s->sphere ? s->sphere->h : s->places.n[0] * s->places.n[1];
     for (int i = 0; i < n; i++)
-        least = fmin(least, s->own[i]);
+        least = fmin(least, own[i]);
     // cubics between places may be lower
     s->given = (double) (float) (0.9 * fmax(least, 0.0));
     for (int i = 0; i < n; i++)
-        s->own[i] -= s->given;
+        own[i] -= s->given;
     return s->given;
 }
 

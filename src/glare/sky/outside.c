@@ -14,6 +14,7 @@
 #include "glare/sky/sky_priv.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Fills the share of light within a chord, by its square. */
 gp_status gp_sky_outside_make(const struct gp_log *log, struct gp_sky *s)
@@ -123,6 +124,8 @@ static const struct gp_gauss *points_of(double at, int n)
 
 double gp_sky_outside(const struct gp_sky *s, double x, double y)
 {
+    if (s->sphere)
+        return 0.0; // all of the sky is in the frame
     const struct gp_gauss *const g = points_of(x, s->p.w);
     const struct gp_gauss *const d = points_of(y, s->p.h);
     double sum = 0.0;
@@ -194,6 +197,10 @@ gp_status gp_sky_outside_table(const struct gp_log *log, struct gp_sky *s)
 void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)
 {
     int j = 0;
+    if (s->sphere) {
+        memset(row, 0, (size_t) s->p.w * sizeof *row);
+        return;
+    }
     while (j + 2 < s->outer[1] && s->outer_at[1][j + 1] <= y)
         j++;
     const int last = gp_min(j + 1, s->outer[1] - 1);

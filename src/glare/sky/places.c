@@ -2,7 +2,7 @@
 /* Places at which weights are known, and what is between them. */
 #include "core/maths.h"
 #include "core/memory.h"
-#include "glare/sky/sky_priv.h"
+#include "glare/sky/sphere.h"
 
 #include <math.h>
 
@@ -94,6 +94,11 @@ gp_status gp_sky_columns(const struct gp_log *log, const struct gp_sky *s,
 
 void gp_sky_own(const struct gp_sky *s, int w, int h, int y, float *row)
 {
+    if (s->sphere) {
+        for (int x = 0; x < w; x++)
+            row[x] = (float) s->sphere->own[y + s->sphere->y0];
+        return;
+    }
     const struct gp_sky_column *const column = s->column + (s->p.w - w) / 2;
     double t, slope, at[4], line[4] = {0};
     t = gp_sky_place_of(s, 1, y + (s->p.h - h) / 2, &slope);

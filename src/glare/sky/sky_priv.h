@@ -55,6 +55,8 @@ struct gp_sky_level {
     struct gp_sky_column *column; // every `block`, and one more; owned
 };
 
+struct gp_sky_sphere; // sphere.h
+
 struct gp_sky {
     struct gp_sky_params p;
     struct gp_sky_light light;
@@ -69,6 +71,8 @@ struct gp_sky {
     double *own;                  // of each place; owned
     struct gp_sky_column *column; // of each pixel; owned
     double given;                 // of it, to a kernel's centre
+    struct gp_sky_sphere
+        *sphere; // NULL: not LATLONG; what follows is not either
     // light that leaves the frame
     struct gp_curve within;     // share of light within a chord
     double spread;              // all of it
@@ -151,6 +155,9 @@ double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
 /* Fills `error`, once all else is made. */
 GP_MUST_CHECK gp_status gp_sky_error_find(const struct gp_log *log,
                                           struct gp_sky *s);
+
+/* The same of a sphere, of which levels are not along circles: no more than that. */
+void gp_sky_error_of_sphere(struct gp_sky *s);
 
 // -- places.c -----------------------------------------------------------------
 

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "glare/sky/rows.h"
+#include "glare/sky/sphere.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LINES = GP_FLOAT_LINES, BAND = GP_SKY_BAND };
+
+typedef gp_float_lines lines;
+
+/* A coefficient of LINES frequencies. */
+struct point {
+    lines re, im;
+};
+
+struct adding {
+    const struct gp_sky *s;
+    const struct gp_sky_sphere *o;
+    const struct gp_sky_drawing *d;
+    const struct gp_fft_matrix *m;
+    char *scratch;
+    size_t room;              // bytes of a thread
+    size_t at[GP_SKY_LEVELS]; // points before a level's, in moments or nodes
+    size_t nodes;             // of all levels
+};
+
+// -- rows, in and out ---------------------------------------------------------
+
+static void load_row(const void *ctx, int c, int y, float *z)
+{
+    const struct adding *const a = ctx;
+    const struct gp_sources *const src = a->d->src;
+    const int row = y - a->o->y0;
+    if (row < 0 || row >= src->h)
+        return;
+    const float solid =
+        (float) gp_projection_solid(&a->s->p.projection, 0.0, y);
+    for (uint32_t i = src->row[row]; i < src->row[row + 1]; i++)
+        z[(src->x[i] + a->o->x0) % a->o->w] = solid * src->rgb[c][i];
+}
+
+static void store_row(const void *ctx, int c, int y, int thread, const float *z)
+{
+    const struct adding *const a = ctx;
+    const struct gp_sources *const src = a->d->src;
+    const int row = y - a->o->y0, w = src->w;
+    const float by = 0.5f / (float) a->o->w;
+    (void) thread;
+    if (row < 0 || row >= src->h)
+        return;
+    float *const to = a->d->layer->c[c] + (size_t) row * (size_t) w;
+    for (int x = 0, at = a->o->x0; x < w; x++, at++) {
+        at = at == a->o->w ? 0 : at;
+        to[x] = (a->d->add ? to[x] : 0.0f) + by * z[at];
+    }
+}
+
+// -- levels of a block of coefficients ----------------------------------------
+
+/* (-1)^m. */
+static const lines TURN = {1, -1, 1, -1, 1, -1, 1, -1};
+
+static inline __attribute__((always_inline)) struct point turned(struct point p)
+{
+    return (struct point) {p.re * TURN, p.im * TURN};
+}
+
+static inline __attribute__((always_inline)) void
+add_to(struct point *to, struct point p, lines by)
+{
+    to->re += by * p.re;
+    to->im += by * p.im;
+}
+
+static inline __attribute__((always_inline)) lines all(float v)
+{
+    return (lines) {v, v, v, v, v, v, v, v};
+}
+
+/* Moments of level 1, its nodes from -1 on, of rows; and folded: a node beyond a pole is
+ * one half a turn away. */
+static void gather_rows(const struct gp_sky_sphere *o, const struct point *rows,
+                        struct point *e)
+{
+    const int n = o->level[1].n;
+    memset(e - 1, 0, ((size_t) n + 3) * sizeof *e);
+    for (int y = 0; y < o->h; y++) {
+        for (int k = 0; k < GP_SKY_TAPS; k++)
+            add_to(&e[o->rows[y].first + k], rows[y], all(o->rows[y].at[k]));
+    }
+    add_to(&e[1], e[-1], TURN);
+    add_to(&e[n - 1], e[n + 1], TURN);
+    add_to(&e[0], e[0], TURN);
+    add_to(&e[n], e[n], TURN);
+}
+
+/* Node i of 0 .. n, or beyond a pole. */
+static inline __attribute__((always_inline)) struct point
+node_at(const struct point *e, int n, int i)
+{
+    return i < 0 ? turned(e[-i]) : i > n ? turned(e[2 * n - i]) : e[i];
+}
+
+/* Moments of half as many nodes: 1, 4, 6, 4, 1 of 8. */
+static void halve(const struct point *from, int n, struct point *to)
+{
+    static const float B[5] = {0.125f, 0.5f, 0.75f, 0.5f, 0.125f};
+    for (int i = 0; 2 * i <= n; i++) {
+        to[i] = (struct point) {{0}, {0}};
+        for (int k = 0; k < 5; k++)
+            add_to(&to[i], node_at(from, n, 2 * i + k - 2), all(B[k]));
+    }
+}
+
+/* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of nodes: Unser et al.
+ * 1993, part II, eq. 2.5. */
+static void divide(struct point *e, int n)
+{
+    enum { TERMS = 16 };
+    static const float Z = -0.26794919243112270647f; // sqrt 3 - 2
+    struct point first = e[0];
+    float z = Z;
+    for (int k = 1; k <= TERMS; k++, z *= Z)
+        add_to(&first, node_at(e, n, k <= n ? -k : -n), all(k <= n ? z : 0.0f));
+    e[0] = first;
+    for (int i = 1; i <= n; i++)
+        add_to(&e[i], e[i - 1], all(Z));
+    // the mirror image of an even line; an odd one ends in 0
+    const lines end = (all(1.0f) + TURN) * all(0.5f * Z / (Z * Z - 1.0f));
+    const struct point before = e[n - 1];
+    add_to(&e[n], before, all(Z));
+    e[n] = (struct point) {e[n].re * end, e[n].im * end};
+    for (int i = n - 1; i >= 0; i--)
+        e[i] = (struct point) {all(Z) * (e[i + 1].re - e[i].re),
+                               all(Z) * (e[i + 1].im - e[i].im)};
+    for (int i = 0; i <= n; i++)
+        e[i] = (struct point) {all(6.0f) * e[i].re, all(6.0f) * e[i].im};
+}
+
+/* Both of a pair of circles light each other. */
+static inline __attribute__((always_inline)) void
+spread_pair(const struct point *e, struct point *v, int i, int k, lines by)
+{
+    add_to(&v[i], e[k], by);
+    if (i != k)
+        add_to(&v[k], e[i], by);
+}
+
+/* v += the sum over circles of all pairs of a level; planes of `apart` points. */
+GP_CLONES static void spread(const struct gp_sky_circles *g, int block,
+                             const struct point *e, struct point *v,
+                             size_t apart)
+{
+    const lines *k =
+        (const lines *) (const void *) g->k + (size_t) block * g->pairs;
+    for (int i = 0; 2 * i <= g->n; i++, k += g->reach + 1) {
+        for (int o = 0; o <= g->reach && 2 * i + o <= g->n; o++) {
+            const int j = i + o;
+            for (size_t c = 0; c < 3; c++)
+                spread_pair(e + c * apart, v + c * apart, i, j, k[o]);
+            for (size_t c = 0; c < 3 && i + j != g->n; c++)
+                spread_pair(e + c * apart, v + c * apart, g->n - j, g->n - i,
+                            k[o]);
+        }
+    }
+}
+
+/* Adds the nodes of the next level. */
+static void between(const struct point *from, int n, struct point *to)
+{
+    for (int i = 0; i <= n; i++) {
+        add_to(&to[2 * i], from[i], all(0.75f));
+        add_to(&to[2 * i], node_at(from, n, i - 1), all(0.125f));
+        add_to(&to[2 * i], node_at(from, n, i + 1), all(0.125f));
+        if (i == n)
+            break;
+        add_to(&to[2 * i + 1], from[i], all(0.5f));
+        add_to(&to[2 * i + 1], from[i + 1], all(0.5f));
+    }
+}
+
+/* The first term of rows around the poles: of `rows` to `out`, which has those of the
+ * north and then of the south from the pole on. */
+static void spread_poles(const struct gp_sky_sphere *o, int block,
+                         const struct point *rows, struct point *out)
+{
+    const struct gp_sky_circles *const g = &o->level[0];
+    const lines *k =
+        (const lines *) (const void *) g->k + (size_t) block * g->pairs;
+    memset(out, 0, 2 * (size_t) g->n * sizeof *out);
+    for (int i = 0; i < g->n; i++, k += g->reach + 1) {
+        for (int r = 0; r <= g->reach && i + r < o->h; r++) {
+            const int j = i + r, last = o->h - 1;
+            add_to(&out[i], rows[j], k[r]);
+            add_to(&out[g->n + i], rows[last - j], k[r]);
+            if (j == i || j >= g->n)
+                continue;
+            add_to(&out[j], rows[i], k[r]);
+            add_to(&out[g->n + j], rows[last - i], k[r]);
+        }
+    }
+}
+
+/* A block of coefficients of all rows: what levels spread, in its place. */
+static void spread_block(void *ctx, int b, int thread)
+{
+    const struct adding *const a = ctx;
+    const struct gp_sky_sphere *const o = a->o;
+    struct point *const e = (void *) (a->scratch + (size_t) thread * a->room);
+    struct point *const v = e + 3 * a->nodes, *const pole = v + 3 * a->nodes;
+    int top = 0; // the last level that has the block
+    while (top < o->levels - 1 && b < o->level[top + 1].blocks)
+        top++;
+    memset(v, 0, 3 * a->nodes * sizeof *v);
+    for (size_t c = 0; c < 3 && top; c++) {
+        struct point *const of = e + c * a->nodes;
+        gather_rows(o, (struct point *) a->m->z[c] + (size_t) b * a->m->pitch,
+                    of + a->at[1]);
+        for (int l = 1; l < top; l++)
+            halve(of + a->at[l], o->level[l].n, of + a->at[l + 1]);
+        for (int l = 1; l <= top; l++) {
+            struct point *const nodes = of + a->at[l];
+            const int n = o->level[l].n;
+            divide(nodes, n);
+            // both halves of a turn have what is on a pole
+            for (int k = 0; k <= n; k += n)
+                nodes[k] = (struct point) {all(0.5f) * nodes[k].re,
+                                           all(0.5f) * nodes[k].im};
+        }
+    }
+    for (int l = top; l >= 1; l--)
+        spread(&o->level[l], b, e + a->at[l], v + a->at[l], a->nodes);
+    for (size_t c = 0; c < 3; c++) {
+        struct point *const rows =
+            (struct point *) a->m->z[c] + (size_t) b * a->m->pitch;
+        struct point *const of = v + c * a->nodes;
+        for (int l = top; l >= 1; l--) {
+            divide(of + a->at[l], o->level[l].n);
+            if (l < top)
+                between(of + a->at[l + 1], o->level[l + 1].n, of + a->at[l]);
+        }
+        spread_poles(o, b, rows, pole);
+        struct point *const nodes = of + a->at[1];
+        const int n = o->level[1].n, near = o->level[0].n;
+        nodes[-1] = turned(nodes[1]);
+        nodes[n + 1] = turned(nodes[n - 1]);
+        for (int y = 0; y < o->h; y++) {
+            rows[y] = (struct point) {{0}, {0}};
+            for (int k = 0; k < GP_SKY_TAPS && top; k++)
+                add_to(&rows[y], nodes[o->rows[y].first + k],
+                       all(o->rows[y].at[k]));
+        }
+        for (int y = 0; y < near; y++) {
+            add_to(&rows[y], pole[y], all(1.0f));
+            add_to(&rows[o->h - 1 - y], pole[near + y], all(1.0f));
+        }
+    }
+}
+
+// -- the first term -----------------------------------------------------------
+
+/* Adds the sum of weight[k] light[x - k], |k| <= reach, to n columns. */
+GP_CLONES_WIDE static void sum_dense(const float *restrict light,
+                                     const float *restrict weight, int reach,
+                                     int n, float *restrict to)
+{
+    enum { CHUNK = 64 };
+    for (int x = 0; x < n; x += CHUNK) {
+        float sum[CHUNK] = {0};
+        for (int k = -reach; k <= reach; k++) {
+            for (int i = 0; i < CHUNK; i++)
+                sum[i] += weight[k] * light[x + i - k];
+        }
+        for (int i = 0; i < CHUNK; i++)
+            to[x + i] += sum[i];
+    }
+}
+
+/* Lines of a row with room beyond both ends. */
+static size_t line_room(const struct gp_sky_sphere *o, int margin)
+{
+    return (size_t) (o->w + 2 * margin + 2 * 64);
+}
+
+/* Adds what row `from` of sources spreads to the three lines of row y of the sphere,
+ * from `margin` before its first column on. */
+static void add_arc(const struct adding *a, int y, int from, int margin,
+                    float *light, float *line)
+{
+    const struct gp_sky_sphere *const o = a->o;
+    const struct gp_sources *const src = a->d->src;
+    const bool south = 2 * y >= o->h;
+    const int row = south ? o->h - 1 - y : y, down = from + o->y0 - y;
+    const struct gp_sky_arc *const arc =
+        &o->arc[row * (2 * o->near + 1) + (south ? -down : down) + o->near];
+    const uint32_t first = src->row[from], end = src->row[from + 1];
+    const size_t room = line_room(o, margin);
+    const float *const weight = o->weight + arc->at;
+    const int reach = arc->reach;
+    if (reach < 0 || first == end)
+        return;
+    for (size_t c = 0; c < 3; c++) {
+        float *const to = line + c * room + margin;
+        const bool dense = (end - first) * 8 > (uint32_t) o->w;
+        if (dense)
+            memset(light, 0, room * sizeof *light);
+        for (uint32_t i = first; i < end; i++) {
+            const int x = (src->x[i] + o->x0) % o->w;
+            if (dense)
+                light[margin + x] = src->rgb[c][i];
+            else
+                gp_sky_add_scaled(to + x - reach, weight - reach,
+                                  src->rgb[c][i], 2 * reach + 1);
+        }
+        if (dense) { // all around
+            memcpy(light, light + o->w, (size_t) margin * sizeof *light);
+            memcpy(light + margin + o->w, light + margin,
+                   (size_t) margin * sizeof *light);
+            sum_dense(light + margin, weight, reach, o->w, to);
+        }
+    }
+}
+
+/* Row y of the frame: the first term, what stays, and no light below 0. */
+static void finish_row(const struct adding *a, int y, int margin, float *light,
+                       float *line)
+{
+    const struct gp_sky_sphere *const o = a->o;
+    const struct gp_sources *const src = a->d->src;
+    const int row = y + o->y0, w = src->w;
+    const size_t room = line_room(o, margin);
+    const bool near = row >= o->level[0].n && row < o->h - o->level[0].n;
+    const int from = gp_max(y - o->near, 0);
+    const int end = gp_min(y + o->near + 1, src->h);
+    const bool lit = near && src->row[from] != src->row[end];
+    if (lit)
+        memset(line, 0, 3 * room * sizeof *line);
+    for (int s = from; s < end && lit; s++)
+        add_arc(a, row, s, margin, light, line);
+    for (size_t c = 0; c < 3; c++) {
+        float *const to = a->d->layer->c[c] + (size_t) y * (size_t) w;
+        float *const at = line + c * room + margin;
+        for (int x = 0; x < margin && lit; x++) { // all around
+            at[x] += at[o->w + x];
+            at[o->w - 1 - x] += at[-1 - x];
+        }
+        for (int x = 0; x < w && lit; x++)
+            to[x] += at[(x + o->x0) % o->w];
+        const float own = (float) o->own[row] + a->d->more[c];
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+            to[src->x[i]] += own * src->rgb[c][i];
+        for (int x = 0; x < w; x++)
+            to[x] = gp_maxf(to[x], 0.0f);
+    }
+}
+
+/* The farthest that a row away from the poles reaches. */
+static int margin_of(const struct gp_sky_sphere *o)
+{
+    int most = 0;
+    for (int i = 0; i < (o->h + 1) / 2 * (2 * o->near + 1); i++)
+        most = gp_max(most, o->arc[i].reach);
+    return most;
+}
+
+static void finish_band(void *ctx, int band, int thread)
+{
+    const struct adding *const a = ctx;
+    const struct gp_sky_drawing *const d = a->d;
+    float *const light = (void *) (a->scratch + (size_t) thread * a->room);
+    const int margin = margin_of(a->o), h = d->src->h;
+    for (int y = band * BAND; y < gp_min((band + 1) * BAND, h); y++) {
+        finish_row(a, y, margin, light, light + line_room(a->o, margin));
+        for (int c = 0; c < 3 && d->rest; c++)
+            d->rest(d->ctx, c * h + y, thread);
+    }
+}
+
+// -- all of it ----------------------------------------------------------------
+
+gp_status gp_sky_sphere_add(const struct gp_log *log, const struct gp_sky *s,
+                            const struct gp_sky_drawing *d,
+                            struct gp_fft_matrix *m)
+{
+    const struct gp_sky_sphere *const o = s->sphere;
+    struct adding a = {.s = s, .o = o, .d = d, .m = m};
+    const struct gp_fft_request req = {
+        .log = log, .x = &o->around, .channels = 3};
+    gp_status st = GP_OK;
+    for (int l = 1; l < o->levels; l++) { // one node beyond each pole
+        a.at[l] = a.nodes + 1;
+        a.nodes += (size_t) o->level[l].n + 3;
+    }
+    a.room = (6 * a.nodes + 2 * (size_t) o->level[0].n) * sizeof(struct point);
+    const size_t lines = 4 * line_room(o, margin_of(o)) * sizeof(float);
+    a.room = (a.room > lines ? a.room : lines) + GP_POINT_BYTES;
+    a.room -= a.room % GP_POINT_BYTES;
+    if (!m->z[0])
+        GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, 3, o->w,
+                                  o->h, m));
+    GP_TRY(gp_alloc(log, "layer", a.room, (size_t) gp_threads(), &a.scratch));
+    GP_TRY(gp_fft_rows_in(&req, o->h, load_row, &a, m));
+    gp_parallel_do(m->blocks, spread_block, &a);
+    GP_TRY(gp_fft_rows_out(&req, m, o->h, store_row, &a));
+    gp_parallel_do((d->src->h + BAND - 1) / BAND, finish_band, &a);
+out:
+    gp_free(a.scratch);
+    return st;
+}
