@@ -521,7 +521,8 @@ struct glarepp_tone_params {
 /* Directions of a frame's pixels, for models by angle.
  *   PLANE        degrees are proportional to pixels, and a kernel is the same
  *                everywhere: of pictures of no camera
- *   PERSPECTIVE  as a camera's: by its matrices, else by the angle of view */
+ *   PERSPECTIVE  as a camera's: by its matrices, else by the angle of view; the
+ *                default */
 enum { GLAREPP_PLANE, GLAREPP_PERSPECTIVE };
 
 /* NULL: no lights, no lens, no scene; the defaults of the others. */
@@ -531,7 +532,7 @@ struct glarepp_plan_params {
                                          // builtin:eye
     double fov;            // vertical angle of the display window, to 180; 0:
                            // that of its camera, lens or scene, else 30
-    int projection;        // of frames: GLAREPP_PLANE or another
+    int projection;        // of frames: GLAREPP_PERSPECTIVE or another
     double rotate;         // of the kernel, degrees counter-clockwise
     const struct glarepp_sense_params *sense;
     const struct glarepp_layer_params *layer;
@@ -544,10 +545,10 @@ struct glarepp_plan_params {
     struct glarepp_plan *names; // its first frame names lights that are found;
                                 // must outlive the plan; NULL: this plan
 };
-#define GLAREPP_PLAN_PARAMS                                                \
-    {                                                                      \
-        sizeof(struct glarepp_plan_params), NULL, 0.0, GLAREPP_PLANE, 0.0, \
-            NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0, NULL              \
+#define GLAREPP_PLAN_PARAMS                                                 \
+    {                                                                       \
+        sizeof(struct glarepp_plan_params), NULL, 0.0, GLAREPP_PERSPECTIVE, \
+            0.0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0, NULL          \
     }
 
 struct glarepp_plan;

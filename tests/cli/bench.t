@@ -133,7 +133,7 @@ no 'an image leaves nothing out that is known' \
 # the model's light outside the frame, beside the bound and the error
 run bench --runs 1 --threshold .5 -k cie:age=70 --csv m.csv --json m.json in.exr
 quiet_success 'bench with a model'
-"$glarepp" --threshold .5 -k cie:age=70 --report m.report --layer m.exr in.exr \
+"$glarepp" --threshold .5 -k cie:age=70 --projection plane --report m.report --layer m.exr in.exr \
     >out2 2>err2
 "$python" - >verdicts 2>&1 <<'PY' || echo 'not ok kernel_left_out' >>verdicts
 import csv, json, re
@@ -156,7 +156,7 @@ PY
 verdicts verdicts
 
 cp "$root/tests/frames/foliage.1004.exr" camera.exr
-"$glarepp" -q -t 8 -k spencer -e fft --report c.report --layer c.exr camera.exr
+"$glarepp" -q -t 8 -k spencer -e fft --projection plane --report c.report --layer c.exr camera.exr
 GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
     "$glarepp" bench -t 8 --runs 1 -k spencer --json c.json camera.exr >out 2>err
 is "$("$python" -c 'import json
@@ -177,7 +177,7 @@ print(b > 0.02, abs(b - r["kernel_left_out"]) < 1e-8)')" 'True True' \
     'what a file of glarepp kernel leaves out, as in the main job'
 
 frame move.0005.exr seed=3 attr=framesPerSecond:rational:2,1
-"$glarepp" -q --fov 5 -k temporal -e fft --report t.report --layer t.exr \
+"$glarepp" -q --fov 5 -k temporal -e fft --projection plane --report t.report --layer t.exr \
     move.0005.exr
 GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent "$glarepp" bench --runs 1 \
     --fov 5 -k temporal --json t2.json move.0005.exr >out 2>err

@@ -49,7 +49,7 @@ as_first()
 # can GL: whether a context opens
 can()
 {
-    "$glarepp" -q --engine splat --gl "$1" --layer can.exr in.0001.exr 2>/dev/null
+    "$glarepp" -q --engine splat --projection plane --gl "$1" --layer can.exr in.0001.exr 2>/dev/null
 }
 
 # -- threads and frames in flight ------------------------------------------------------
@@ -91,20 +91,20 @@ for gl in osmesa egl; do
         skip 1 "no context by $gl"
         continue
     fi
-    ten "splat, $gl" --engine splat --gl $gl
+    ten "splat, $gl" --engine splat --projection plane --gl $gl
     ten "sun masks, $gl" --engine fft --sun-method mask --gl $gl $lights
 done
 
 # -- OSMesa and EGL --------------------------------------------------------------------
 
 if can osmesa && can egl &&
-    "$glarepp" -v --engine splat --gl egl --layer can.exr in.0001.exr 2>&1 |
+    "$glarepp" -v --engine splat --projection plane --gl egl --layer can.exr in.0001.exr 2>&1 |
     grep -q llvmpipe; then
-    for row in '--engine splat' '--engine splat --group 1' \
+    for row in '--engine splat --projection plane' '--engine splat --group 1' \
         "--engine fft --sun-method mask $lights" \
         "--engine fft --sun-method mask --sun-sum 8bit --sun-pattern square $lights" \
         "--engine fft --sun-method readback $lights" \
-        "--engine splat --sun-method mask $lights"; do
+        "--engine splat --projection plane --sun-method mask $lights"; do
         rm -rf first
         make_all first --no-provenance --gl osmesa $row
         as_first "EGL as OSMesa: ${row%% --sun 70*}" make_all new \
@@ -117,7 +117,7 @@ fi
 # -- environments ----------------------------------------------------------------------
 
 everything="--engine auto $lights"
-! can auto || everything="--engine splat --sun-method mask $lights"
+! can auto || everything="--engine splat --projection plane --sun-method mask $lights"
 rm -rf first
 make_all first $everything
 # (a comma for the decimal point, where the system can make such a locale)

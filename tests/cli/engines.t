@@ -10,7 +10,7 @@ need_python
 for row in 2x90000:fft 3x20000:fft 90000x2:fft; do
     size=${row%%:*}
     frame tall.exr size=$size hot=1000 type=float
-    run -q -t .3 --verify --report tall.json --layer tall.hdr.exr tall.exr
+    run -q --projection plane -t .3 --verify --report tall.json --layer tall.hdr.exr tall.exr
     quiet_success "$size"
     is "$("$python" -c 'import json
 r = json.load(open("tall.json"))
@@ -34,7 +34,7 @@ print(r["engine"], r["measured"]["rel_l2"] <= r["bound"] < 1e-5)')" 'direct True
 # the far field is as coarse as the tolerance allows
 frame far.exr size=420x60 lights=9 type=float
 for row in 0.001:8 0.01:16 0.1:32; do
-    run -q --style camera --tolerance "${row%:*}" --verify --report coarse.json \
+    run -q --style camera --projection plane --tolerance "${row%:*}" --verify --report coarse.json \
         --layer coarse.exr far.exr
     is "$("$python" -c 'import json
 r = json.load(open("coarse.json"))
@@ -45,7 +45,7 @@ done
 frame kernel.exr kind=kernel size=512x512 type=float
 gl=
 frame small.exr
-"$glarepp" --engine splat --layer gl.exr small.exr 2>/dev/null && gl=yes
+"$glarepp" --engine splat --projection plane --layer gl.exr small.exr 2>/dev/null && gl=yes
 
 # -- one pixel of 1e9 in a frame of 1e-3 ----------------------------------------
 

@@ -474,11 +474,11 @@ fi
 # -- no GL ---------------------------------------------------------------------
 
 export GLAREPP_OSMESA=/nonexistent
-refuses 5 /nonexistent 'no OSMesa' --engine splat --gl osmesa in.exr
+refuses 5 /nonexistent 'no OSMesa' --engine splat --projection plane --gl osmesa in.exr
 like "$(cat err)" '*libosmesa6*' 'no OSMesa: names the package'
 export GLAREPP_EGL=/nonexistent
-refuses 5 /nonexistent 'no EGL' --engine splat --gl egl in.exr
-refuses 5 libosmesa6 'no GL at all' --engine splat in.exr
+refuses 5 /nonexistent 'no EGL' --engine splat --projection plane --gl egl in.exr
+refuses 5 libosmesa6 'no GL at all' --engine splat --projection plane in.exr
 run --engine splat --layer dark-layer.exr dark.exr
 status_is 0 'no GL is no matter where there is no light'
 run --layer any.exr in.exr

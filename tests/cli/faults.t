@@ -77,13 +77,13 @@ breaks()
     fails_with 5 OSMesa "GL, $kind, $*"
     empty_folder made "GL, $kind, $*: nothing is left"
 }
-if GLAREPP_OSMESA=$broken "$glarepp" -e splat --gl osmesa --layer gl.exr \
+if GLAREPP_OSMESA=$broken "$glarepp" -e splat --projection plane --gl osmesa --layer gl.exr \
     in.exr >out 2>err; then
-    "$glarepp" -e splat --gl osmesa --layer plain.exr in.exr
+    "$glarepp" -e splat --projection plane --gl osmesa --layer plain.exr in.exr
     same gl.exr plain.exr 'GL that does not break'
     for kind in context current old missing compile link framebuffer memory \
         lost; do
-        breaks $kind -e splat
+        breaks $kind -e splat --projection plane
         breaks $kind -e direct --sun 12,8,3 --sun-color 9,8,7 \
             --sun-method readback
     done
@@ -95,9 +95,9 @@ if GLAREPP_OSMESA=$broken "$glarepp" -e splat --gl osmesa --layer gl.exr \
         quiet_success "GL, $kind: no matter for auto"
     done
     # the other system steps in
-    if GLAREPP_OSMESA=/nonexistent "$glarepp" -e splat --layer egl.exr in.exr \
+    if GLAREPP_OSMESA=/nonexistent "$glarepp" -e splat --projection plane --layer egl.exr in.exr \
         >out 2>err; then
-        BROKEN_GL=context GLAREPP_OSMESA=$broken "$glarepp" -e splat \
+        BROKEN_GL=context GLAREPP_OSMESA=$broken "$glarepp" -e splat --projection plane \
             --layer other.exr in.exr >out 2>err
         status=$?
         quiet_success 'OSMesa breaks: EGL steps in'
@@ -105,12 +105,12 @@ if GLAREPP_OSMESA=$broken "$glarepp" -e splat --gl osmesa --layer gl.exr \
     else
         skip 2 'no EGL'
     fi
-    MESA_GL_VERSION_OVERRIDE=2.1 "$glarepp" -e splat --gl osmesa --layer old.exr \
+    MESA_GL_VERSION_OVERRIDE=2.1 "$glarepp" -e splat --projection plane --gl osmesa --layer old.exr \
         in.exr >out 2>err
     status=$?
     fails_with 5 'needs OpenGL 4.5' 'a Mesa of OpenGL 2.1'
     echo 'no library' >text.so
-    GLAREPP_OSMESA=$tmp/text.so "$glarepp" -e splat --gl osmesa \
+    GLAREPP_OSMESA=$tmp/text.so "$glarepp" -e splat --projection plane --gl osmesa \
         --layer old.exr in.exr >out 2>err
     status=$?
     fails_with 5 text.so 'a library that is none'
@@ -127,7 +127,7 @@ lights='--sun 12,8,3 --sun-color 9,8,7 --mask G --sun-method mask'
 while read -r gl what; do
     case $gl in
     none) ;;
-    *) "$glarepp" -q -e splat --gl $gl --layer can.exr in.exr 2>err || {
+    *) "$glarepp" -q -e splat --projection plane --gl $gl --layer can.exr in.exr 2>err || {
         skip 2 "no context by $gl"
         continue
     } ;;
@@ -141,8 +141,8 @@ while read -r gl what; do
     ok 'variables: some are added, none beside threads' \
         eval '! grep beside-threads log && grep -q "^added" log'
 done <<END
-osmesa -e splat --gl osmesa $lights --frame-jobs 3 -o made/a.#.png s.####.exr
-egl -e splat --gl egl $lights --frame-jobs 3 -o made/a.#.png s.####.exr
+osmesa -e splat --projection plane --gl osmesa $lights --frame-jobs 3 -o made/a.#.png s.####.exr
+egl -e splat --projection plane --gl egl $lights --frame-jobs 3 -o made/a.#.png s.####.exr
 osmesa bench --gl osmesa --runs 1 --csv made/a.csv in.exr
 egl bench --gl egl --runs 1 --csv made/a.csv in.exr
 none --ocio c.ocio --view Power --frame-jobs 3 -o made/a.#.jpg s.####.exr

@@ -74,10 +74,10 @@ a mask, bad frames skipped | 6 | few | --skip-bad-frames --mask A $sun --sun-met
 OCIO, one output space | 0 | all | --ocio ../c.ocio --output-space turned -f $good $many ../in/s.####.exr
 pictures by the bridge | 0 | few | -f $good -o t.####.tif -o j.####.jpg ../in/s.####.exr
 ROWS
-if "$glarepp" -q -e splat --layer gl.exr in/s.0001.exr 2>gl.log; then
+if "$glarepp" -q -e splat --projection plane --layer gl.exr in/s.0001.exr 2>gl.log; then
     rows 'GL on one thread' <<ROWS
-splat | 0 | few | -e splat -f $good $many ../in/s.####.exr
-splat, bad frames skipped | 6 | few | -e splat --skip-bad-frames $many ../in/s.####.exr
+splat | 0 | few | -e splat --projection plane -f $good $many ../in/s.####.exr
+splat, bad frames skipped | 6 | few | -e splat --projection plane --skip-bad-frames $many ../in/s.####.exr
 lights by mask | 0 | few | -f $good $sun --lights ../lights.json --flare ../flare.json --sun-method mask --mask A --debug sunmap=m.####.png $many ../in/s.####.exr
 lights read back | 0 | few | -f $good $sun --lights ../lights.json --sun-method readback $many ../in/s.####.exr
 ROWS

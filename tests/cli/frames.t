@@ -254,7 +254,7 @@ sizes_by()
 }
 sizes_by direct equal
 sizes_by fft equal
-sizes_by splat equal
+sizes_by splat equal --projection plane
 # (auto may keep the engine of the frame before, within its tolerance)
 if [ -n "$oiio" ]; then
     sizes_by auto 2e-3

@@ -10,11 +10,11 @@ frame k.exr kind=kernel size=16x12 type=float
 
 # -- angle ---------------------------------------------------------------------
 
-run --fov 48 --layer l.exr --report r.json in.exr
+run --projection plane --fov 48 --layer l.exr --report r.json in.exr
 quiet_success '--fov'
 is "$(field r.json 'o["deg_per_pixel"], o["fov_from"]')" "(1.0, 'option')" \
     '--fov: degrees of a pixel of 48 lines'
-run --layer l.exr --report r.json in.exr
+run --projection plane --layer l.exr --report r.json in.exr
 is "$(field r.json 'o["deg_per_pixel"], o["fov_from"]')" "(0.625, 'default')" \
     'no --fov: 30 degrees high'
 run -k k.exr --layer l.exr --report r.json in.exr
@@ -22,10 +22,10 @@ is "$(field r.json '"deg_per_pixel" in o')" False 'an image has no angle'
 
 # the coarse grid of the far part keeps fft and direct over a small tolerance
 frame wide.exr seed=5 size=640x480
-run -k eye --verify --layer l.exr --report r.json wide.exr
+run --projection plane -k eye --verify --layer l.exr --report r.json wide.exr
 is "$(field r.json 'o["kernel"]["grid"] > 0, o["bound"] > 3e-6')" \
     '(True, True)' 'a tail on a coarse grid'
-run -k eye --tolerance 2.5e-6 --verify --layer l.exr --report r.json wide.exr
+run --projection plane -k eye --tolerance 2.5e-6 --verify --layer l.exr --report r.json wide.exr
 quiet_success 'a tolerance that only the whole kernel keeps'
 is "$(field r.json 'o["engine"], "whole kernel" in o["engine_why"]')" \
     "('direct', True)" 'auto sums the whole kernel'
@@ -214,11 +214,11 @@ ok 'the size of 100 percent' "$glarepp" compare --fail 0 --no-flip a.exr b.exr
 run -k k.exr --kernel-size 300% -e direct --layer a.exr --report r.json in.exr
 is "$(field r.json '"deg_per_pixel" in o')" False 'percent have no angle'
 # 12 lines of 30 / 48 degrees are 7.5 degrees, three times that 22.5
-run -k k.exr --kernel-size 22.5deg -e direct --layer b.exr --report r.json \
+run --projection plane -k k.exr --kernel-size 22.5deg -e direct --layer b.exr --report r.json \
     --grow kernel in.exr
 is "$(field r.json 'o["deg_per_pixel"], o["width"]')" '(0.625, 111)' \
     'degrees: an angle, and a reach of 25 and 22 pixels'
-run -k k.exr --kernel-size 22.5deg -e direct --layer b.exr in.exr
+run --projection plane -k k.exr --kernel-size 22.5deg -e direct --layer b.exr in.exr
 ok 'degrees and percent of one size' "$glarepp" compare --fail-rel 1e-6 \
     --no-flip a.exr b.exr
 
@@ -274,7 +274,7 @@ no 'but not where they are scaled' grep 'its light sums' err
 run kernel -k eye --size 64x48 --threads 1 -o a.exr
 run kernel -k eye --size 64x48 --threads 2 -o b.exr
 same a.exr b.exr 'the same bytes for any number of threads'
-run -k eye -e direct --layer l.exr in.exr
+run --projection plane -k eye -e direct --layer l.exr in.exr
 run -k a.exr --kernel-normalize none -e direct --layer m.exr in.exr
 ok 'the file makes the layer of its model' "$glarepp" compare --fail-rel 1e-6 \
     --no-flip l.exr m.exr
@@ -289,7 +289,7 @@ run kernel -k aperture:share=1,wavelengths=8 --size 64x48 -o a.exr
 is "$("$python" "$cli/tags.py" a.exr | grep '^chromaticities')" \
     chromaticities=0.6400,0.3300,0.3000,0.6000,0.1500,0.0600,0.3127,0.3290 \
     'a kernel file names its primaries'
-run -k aperture:share=1,wavelengths=8 -e direct --layer 'm.#.exr' 'wide.#.exr'
+run --projection plane -k aperture:share=1,wavelengths=8 -e direct --layer 'm.#.exr' 'wide.#.exr'
 run -k a.exr -e direct --layer 'l.#.exr' --report r.json 'wide.#.exr'
 quiet_success 'a kernel file in frames of other primaries'
 for i in 1 2 3; do
@@ -467,7 +467,7 @@ run -k whole.exr -e direct --layer l.exr --report r.json in.exr
 quiet_success 'no warning of light that falls beside the frame'
 is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"]')" \
     '(True, 0.0)' 'which the report has'
-run --style eye --layer m.exr --report r.json -e direct in.exr
+run --projection plane --style eye --layer m.exr --report r.json -e direct in.exr
 quiet_success 'nor by the model itself'
 is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"], o["kernel"]["recipes"]')" \
     "(True, 0.0, ['spencer'])" 'which reports the same'
@@ -480,7 +480,7 @@ like "$status $(cat out)" '1 *30 % of the light that it takes from a pixel falls
 for k in moffat:beta=1.1 moffat:beta=1.1,share=1; do
     run kernel -k $k --size 64x48 -o far.exr
     for one in $k far.exr image:file=far.exr; do
-        run -k $one --layer l.exr --report r.json in.exr
+        run --projection plane -k $one --layer l.exr --report r.json in.exr
         like "$status $(cat err)" \
             "0 *warning: $one: 3? % of the light that it takes from a pixel falls outside *" \
             "a run warns of light of $k that misses the frame: $one"
@@ -500,10 +500,10 @@ run -k moffat:beta=1.1 --layer 's.#.exr' 'sizes.#.exr'
 is "$(grep -c 'falls outside' err)" 1 'once for all frames'
 
 run kernel -k eye --size 64x48 --fov 30 -o narrow.exr
-run -k narrow.exr --fov 60 --layer l.exr in.exr
+run --projection plane -k narrow.exr --fov 60 --layer l.exr in.exr
 like "$status $(cat err)" '0 *warning: narrow.exr: made for 0.625 degrees a pixel, used at 1.25 (50%*set --kernel-size to that' \
     'a run warns of a kernel made for another angle'
-run -k narrow.exr --fov 60 --kernel-size 50% --layer l.exr in.exr
+run --projection plane -k narrow.exr --fov 60 --kernel-size 50% --layer l.exr in.exr
 no 'but not at the size it names' grep 'degrees a pixel' err
 run -q -k narrow.exr --fov 60 --layer l.exr in.exr
 quiet_success 'nor with -q'

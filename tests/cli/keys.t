@@ -79,7 +79,7 @@ like "$(cat err)" '*, 0 % of the light moved*e+06 % added*' "-v: the frame's own
 
 # GL ends on the thread that it began on
 for jobs in 1 3; do
-    run -e splat --sun-method mask --sun @sun.csv --sun-color 50 --frame-jobs \
+    run -e splat --projection plane --sun-method mask --sun @sun.csv --sun-color 50 --frame-jobs \
         $jobs --hdr made/$jobs.####.exr 'in/s.####.exr'
     [ $status = 0 ] || break
 done

@@ -51,7 +51,7 @@ same four.png eight.png '--ocio-context'
 run --ocio c.ocio --no-dither -o d.png --depth-bits 8 f.exr
 quiet_success '--no-dither'
 no '--no-dither changes it' cmp -s d.png 1.png
-run --ocio c.ocio --debug polygons=poly.png -e splat f.exr
+run --ocio c.ocio --debug polygons=poly.png -e splat --projection plane f.exr
 quiet_success 'a view below the polygons'
 run --ocio c.ocio --white 3 -o w.png f.exr
 like "$(cat err)" '*warning: --white: does nothing with --ocio*' \

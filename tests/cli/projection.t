@@ -10,11 +10,11 @@ frame wide.exr seed=5 size=640x480
 
 # -- facts ---------------------------------------------------------------------
 
-run -k eye --layer plane.exr --report r.json in.exr
+run --projection plane -k eye --layer plane.exr --report r.json in.exr
 is "$(field r.json 'o["projection"], "bound_angle" in o')" "('plane', False)" \
-    'a plane without the option'
-run --projection perspective --fov 60 -k eye --layer l.exr --report r.json wide.exr
-quiet_success '--projection perspective'
+    'a plane where it is asked for'
+run --fov 60 -k eye --layer l.exr --report r.json wide.exr
+quiet_success 'without --projection'
 is "$(field r.json 'o["projection"], o["engine"], o["engine_why"][:6]')" \
     "('perspective', 'levels', 'levels')" 'levels'
 is "$(field r.json '0 < o["bound_angle"] <= o["bound"] <= 1e-3')" True \
@@ -52,10 +52,11 @@ like "$(cat err)" '*--projection plane*' 'and says what to do'
 is "$(ls no.exr 2>/dev/null)" '' 'nothing is written'
 run --projection perspective --style star --layer l.exr --report r.json wide.exr
 quiet_success 'a model with rays beside others'
-run --projection perspective --save-settings s.txt --layer a.exr wide.exr
+run --projection plane --save-settings s.txt --layer a.exr wide.exr
 run --settings s.txt --layer b.exr wide.exr
 same a.exr b.exr 'settings keep the projection'
-run --projection perspective --threads 1 --layer b.exr wide.exr
+run --layer a.exr wide.exr
+run --threads 1 --layer b.exr wide.exr
 same a.exr b.exr 'the same bytes by one thread'
 run --projection perspective --fov 0.001 --layer l.exr --report r.json in.exr
 status_is 0 'a tele lens'

@@ -12,7 +12,7 @@ frame shot.0002.exr seed=2 size=40x30
 
 # -- fields --------------------------------------------------------------------
 
-run -k builtin:eye --engine fft --verify -o out.png --hdr out.exr \
+run -k builtin:eye --projection plane --engine fft --verify -o out.png --hdr out.exr \
     --report r.json in.exr
 quiet_success '--report'
 is "$(wc -l <r.json)" 1 'one line a frame'
@@ -116,12 +116,12 @@ is "$(field r.json '[k in o for k in ("fft_size", "measured", "gl", "polygons", 
     '[False, False, False, False, False]' 'what was not needed is left out'
 is "$(field r.json '[k in o["times_ms"] for k in ("compose", "tonemap")]')" \
     '[False, False]' 'times of what did not run are left out'
-run --engine splat --group 1 --cluster 0 --shrink 0 --layer l.exr \
+run --engine splat --projection plane --group 1 --cluster 0 --shrink 0 --layer l.exr \
     --report r.json in.exr
 if [ $status = 0 ]; then
     is "$(field r.json 'o["engine"], o["polygons"] == o["sources"], o["polygon_pixels"] > 0, len(o["gl"]) > 0')" \
         "('splat', True, True, True)" 'the fields of a splat run'
-    run --engine splat --group 8 --cluster 16 --cluster-fill 0.1 --layer l.exr \
+    run --engine splat --projection plane --group 8 --cluster 16 --cluster-fill 0.1 --layer l.exr \
         --report r.json -v in.exr
     is "$(field r.json 'o["groups"] + o.get("clusters", 0) == o["polygons"] < o["sources"], len(o["form"]) > 0, "bound" in o')" \
         '(True, True, True)' 'the fields of a grouped splat run'

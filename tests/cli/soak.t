@@ -5,7 +5,7 @@
 [ -n "$oiio" ] || skip_all 'no numpy and OpenImageIO'
 python_gl=--no-gl
 frame can.exr
-"$glarepp" -q --engine splat --layer none.exr can.exr 2>/dev/null && python_gl=
+"$glarepp" -q --engine splat --projection plane --layer none.exr can.exr 2>/dev/null && python_gl=
 
 # At most 30 s: how many frames that is depends on the machine
 frames=20

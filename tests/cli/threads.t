@@ -10,7 +10,7 @@ frame odd.exr size=203x117 origin=-11,4 display=0,0,189,119 lights=300 \
 frame kernel.exr kind=kernel size=97x64 type=float
 
 gl=
-"$glarepp" --engine splat --layer gl.exr odd.exr 2>/dev/null && gl=yes
+"$glarepp" --engine splat --projection plane --layer gl.exr odd.exr 2>/dev/null && gl=yes
 
 # make FOLDER INPUT ENGINE ARGUMENT...: every kind of output, and the report
 # without what time and memory make of it
@@ -45,7 +45,9 @@ same_for()
 engines='direct fft'
 [ -z "$gl" ] || engines="$engines splat"
 for engine in $engines; do
-    same_for odd.exr $engine 'a frame with overscan'
+    plane=
+    [ $engine != splat ] || plane='--projection plane'
+    same_for odd.exr $engine 'a frame with overscan' $plane
     same_for odd.exr $engine 'float, dither and all' -k kernel.exr --type float \
         --compression zip --dither --auto-exposure --tonemap agx --threshold-mode whole --knee 0.5 \
         --mix scatter -g 0.5

@@ -80,10 +80,11 @@ crops()
 }
 
 crops 10,8 0,0,63,47 0,0,63,47
-for engine in auto direct fft splat; do
+for engine in auto direct fft; do
     alike "$engine" -e $engine
 done
-alike 'splat without groups' -e splat --group 1 --cluster 0 --shrink 0
+alike splat -e splat --projection plane
+alike 'splat without groups' -e splat --projection plane --group 1 --cluster 0 --shrink 0
 alike '--mix scatter, a turned kernel' --mix scatter --rotate 30
 alike '--auto-exposure' --auto-exposure
 alike '--alpha keep' --alpha keep

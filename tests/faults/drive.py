@@ -49,7 +49,7 @@ CONFIGURATIONS = {
     "raw": ("-e direct --threads 1 --raw rgb24 -o - s.####.exr", (), 24),
     "sequence": ("-e direct --threads 1 --skip-bad-frames -o o/a.#.png "
                  "--hdr o/h.#.exr --report o/r.json s.####.exr", (6,), 48),
-    "splat": (f"-e splat --gl osmesa {ONE}", (3, 5), 160),
+    "splat": (f"-e splat --projection plane --gl osmesa {ONE}", (3, 5), 160),
     "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 "
                  f"--sun-method readback --flare flare.json {ONE}", (3, 5), 0),
     "ocio": ("-e direct --ocio c.ocio --view Power -o o/a.png in.exr", (3,),

@@ -92,6 +92,8 @@ class Case:
         self.layers = options.layers(rng, form)
         self.shared += self.layers
         self.engine = options.engine(rng, gl)
+        if self.engine[1] == "splat":  # which draws one kernel
+            self.shared += ["--projection", "plane"]
         self.runs = [options.run(rng) for _ in range(3)]
         self.verify = not large and rng.random() < 0.15
         self.again = rng.random() < 0.3
