@@ -189,6 +189,7 @@ struct glarepp_label {
     double left_out;       // share of light outside of the samples
     double beyond;         // ... outside of that frame too
     double share;          // of a pixel's light, that its models spread
+    double degrees;        // of a pixel in its middle, once drawn
 };
 
 /* Either recipes, or one image. A word is a recipe, MODEL:key=value,...; a
@@ -215,9 +216,11 @@ struct glarepp_kernel_params {
     double degrees;          // height of the image in the field; 0: by percent
 };
 #define GLAREPP_KERNEL_PARAMS                                                 \
-    { sizeof(struct glarepp_kernel_params), NULL, 0, NULL,                    \
-      {false, 0, 0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, false,     \
-      false, false, 100.0, 0.0 }
+    {                                                                         \
+        sizeof(struct glarepp_kernel_params), NULL, 0, NULL,                  \
+            {false, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, \
+            false, false, false, 100.0, 0.0                                   \
+    }
 
 struct glarepp_kernel;
 
@@ -521,18 +524,31 @@ struct glarepp_tone_params {
 /* Directions of a frame's pixels, for models by angle.
  *   PLANE        degrees are proportional to pixels, and a kernel is the same
  *                everywhere: of pictures of no camera
- *   PERSPECTIVE  as a camera's: by its matrices, else by the angle of view; the
- *                default */
-enum { GLAREPP_PLANE, GLAREPP_PERSPECTIVE };
+ *   PERSPECTIVE  as a camera's: by its matrices, else by the angle of view
+ *   LATLONG      the display window is the whole sphere, longitude along x, latitude
+ *                along y; a multiple of 8 without factors but 2, 3, 5, 7 wide
+ *   FISHEYE      equidistant, of the angle of view, else 180 degrees: pixels beyond
+ *                half of that, and 90 degrees, from the axis are none
+ *   EQUISOLID    the same, of pixels of one solid angle
+ *   OF_FRAME     what the frame says, else PERSPECTIVE; the default */
+enum {
+    GLAREPP_PLANE,
+    GLAREPP_PERSPECTIVE,
+    GLAREPP_LATLONG,
+    GLAREPP_FISHEYE,
+    GLAREPP_EQUISOLID,
+    GLAREPP_OF_FRAME,
+};
 
 /* NULL: no lights, no lens, no scene; the defaults of the others. */
 struct glarepp_plan_params {
     size_t size;
     const struct glarepp_kernel *kernel; // must outlive the plan; NULL:
                                          // builtin:eye
-    double fov;            // vertical angle of the display window, to 180; 0:
-                           // that of its camera, lens or scene, else 30
-    int projection;        // of frames: GLAREPP_PERSPECTIVE or another
+    double fov;     // vertical angle of the display window, under 180, of
+                    // a fisheye to 360; 0: that of its camera, lens or
+                    // scene, else 30
+    int projection; // of frames: GLAREPP_OF_FRAME or another
     double rotate;         // of the kernel, degrees counter-clockwise
     const struct glarepp_sense_params *sense;
     const struct glarepp_layer_params *layer;
@@ -545,10 +561,10 @@ struct glarepp_plan_params {
     struct glarepp_plan *names; // its first frame names lights that are found;
                                 // must outlive the plan; NULL: this plan
 };
-#define GLAREPP_PLAN_PARAMS                                                 \
-    {                                                                       \
-        sizeof(struct glarepp_plan_params), NULL, 0.0, GLAREPP_PERSPECTIVE, \
-            0.0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0, NULL          \
+#define GLAREPP_PLAN_PARAMS                                                   \
+    {                                                                         \
+        sizeof(struct glarepp_plan_params), NULL, 0.0, GLAREPP_OF_FRAME, 0.0, \
+            NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0, NULL                 \
     }
 
 struct glarepp_plan;
@@ -630,13 +646,14 @@ struct glarepp_frame_params {
     const struct glarepp_group *how; // of each group; NULL: {0, 1}
     bool parts_of_groups; // ... after COMPOSE or DONE what groups spread is
                           // in their own GLARE, and not in PART_*
+    int projection;       // what its file says; 0: nothing
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
     {                                                                         \
         sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0},     \
             false, NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0}, \
             GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, 4e-4f, false, false, false, \
-            NULL, false, NULL, false                                          \
+            NULL, false, NULL, false, 0                                       \
     }
 
 struct glarepp_frame;
@@ -751,7 +768,8 @@ struct glarepp_kernel_facts {
     double left_out, missed; // light outside of it; of which in the frame
     double faint[3];
     double fov, deg_per_pixel; // 0: not by angle
-    const char *projection;    // "plane", "perspective"
+    const char *projection;    // "plane", "perspective", "latlong", "fisheye",
+                               // "equisolid"
     const char *fov_from;    // "option", "camera", "lens", "default"
     double ms, cpu_ms;       // of making it; 0: it was kept
 };

@@ -9,15 +9,52 @@
 #include <math.h>
 #include <string.h>
 
+/* What a frame's pixels show: by the plan, else by its file, else a camera's. */
+static int projection_of(const struct glarepp_frame *f)
+{
+    const int asked = f->plan->projection;
+    // one shape everywhere is all that splat can draw
+    const bool flat = strcmp(f->plan->glare.engine, "splat") == 0;
+    return asked != GLAREPP_OF_FRAME ? asked
+           : flat                    ? GLAREPP_PLANE
+           : f->p.projection && f->p.projection != GLAREPP_OF_FRAME
+               ? f->p.projection
+               : GLAREPP_PERSPECTIVE;
+}
+
+bool gp_api_is_round(const struct glarepp_frame *f)
+{
+    return projection_of(f) == GLAREPP_LATLONG;
+}
+
+gp_status gp_api_has_axis(const struct glarepp_frame *f)
+{
+    if (!gp_api_is_round(f))
+        return GP_OK;
+    return gp_fail_at(&f->log, GP_ERR_USAGE, "plan.projection.axis",
+                      "%s: a lat-long frame has no axis of a lens, around "
+                      "which its flare and ghosts lie",
+                      f->sink.name);
+}
+
 /* The field of a frame: its angle of view is the plan's, else its camera's or
  * scene's, else its lens's, else the usual one. */
 struct gp_field gp_api_field(struct glarepp_frame *f)
 {
     struct glarepp_kernel_facts *const facts = &f->facts.kernel;
     const struct gp_kernel_request *const r = f->plan->kernel->request;
+    static const char *const NAME[] = {"plane", "perspective", "latlong",
+                                       "fisheye", "equisolid"};
+    static const enum gp_projecting KIND[] = {
+        GP_PLANE, GP_PERSPECTIVE, GP_LATLONG, GP_FISHEYE, GP_EQUISOLID};
+    const int kind = projection_of(f);
     double fov = gp_api_camera_fov(f);
     facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
-    if (!(fov > 0.0)) {
+    if (kind > GLAREPP_PERSPECTIVE) {
+        const bool given = kind != GLAREPP_LATLONG && f->plan->fov > 0.0;
+        fov = given ? f->plan->fov : 180.0;
+        facts->fov_from = given ? "option" : "projection";
+    } else if (!(fov > 0.0)) {
         struct gp_api_stop stop = {.fov = GP_USUAL_FOV};
         const bool known =
             f->plan->lens_params.lens && gp_api_lens_stop(f, &stop);
@@ -28,12 +65,12 @@ struct gp_field gp_api_field(struct glarepp_frame *f)
     field.rotate = f->plan->rotate;
     field.tolerance = (double) f->plan->glare.tolerance;
     field.fps = f->p.fps > 0.0 ? f->p.fps : field.fps;
-    facts->projection = "plane";
-    if (f->plan->projection == GLAREPP_PERSPECTIVE && fov < 180.0) {
+    facts->projection = NAME[kind];
+    if (kind != GLAREPP_PLANE) {
         const struct gp_rect *const data = &f->image.data;
         struct gp_projection p;
-        if (!gp_api_camera(f, &p))
-            p = gp_projection_of(GP_PERSPECTIVE, f->image.display, field.aspect,
+        if (kind != GLAREPP_PERSPECTIVE || !gp_api_camera(f, &p))
+            p = gp_projection_of(KIND[kind], f->image.display, field.aspect,
                                  fov);
         field.degrees = fmin(p.dy * (180.0 / M_PI), 180.0); // in its middle
         field.aspect = p.dx / p.dy;
@@ -43,7 +80,6 @@ struct gp_field gp_api_field(struct glarepp_frame *f)
         field.projection = p;
         field.seen_w = field.w;
         field.seen_h = field.h;
-        facts->projection = "perspective";
     }
     field.frame = f->p.numbered ? f->p.number : 0;
     const bool angled = r->recipes || r->degrees > 0.0;
@@ -72,7 +108,7 @@ void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field)
 {
     if (f->work->lights)
         reach_lights(f, field);
-    if (f->plan->edges == GLAREPP_MIRROR) {
+    if (f->plan->edges == GLAREPP_MIRROR && !gp_api_is_round(f)) {
         const int more =
             2 * gp_mirror_reach(gp_image_w(&f->image), gp_image_h(&f->image));
         field->w += more;

@@ -119,7 +119,8 @@ out:
 static struct gp_surround edges_of(const struct glarepp_frame *f,
                                    const struct gp_sources *own)
 {
-    return (struct gp_surround) {f->plan->edges,
+    return (struct gp_surround) {gp_api_is_round(f) ? GLAREPP_BLACK
+                                                    : f->plan->edges,
                                  f->whole.row ? &f->whole : &f->sources, own};
 }
 

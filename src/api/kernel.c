@@ -197,7 +197,7 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
     struct gp_field own = gp_field_of(&like, 0.0);
     own.w = whole ? field->w : cut_w;
     own.h = whole ? field->h : cut_h;
-    own.degrees = fov / field->h;
+    own.degrees = gp_middle_degrees(fov, field->h);
     own.aspect = field->aspect > 0.0 ? field->aspect : 1.0;
     own.rotate = field->rotate;
     own.frame = field->frame;
@@ -205,9 +205,14 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
     GP_TRY(gp_model_kernel(log, r->recipe, r->recipes, &own, &k));
     GP_TRY(gp_kernel_whole(log, &k, cut_w, cut_h, &cut));
     *label = (struct glarepp_label) {
-        .present = true, .w = field->w, .h = field->h, .fov = fov,
-        .left_out = cut.left_out, .beyond = whole ? k.left_out : 0.0,
+        .present = true,
+        .w = field->w,
+        .h = field->h,
+        .fov = fov,
+        .left_out = cut.left_out,
+        .beyond = whole ? k.left_out : 0.0,
         .share = gp_kernel_request_share(r),
+        .degrees = own.degrees,
     };
     GP_TRY(image_of(log, &cut, out));
 out:

@@ -369,6 +369,12 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
     plan->fov = p.fov;
     plan->rotate = p.rotate;
     plan->projection = p.projection;
+    if (p.fov >= 180.0 && p.projection != GLAREPP_FISHEYE &&
+        p.projection != GLAREPP_EQUISOLID)
+        GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "plan.fov.wide",
+                          "fov: %g "
+                          "degrees are more than a plane can show",
+                          p.fov));
     GP_TRY(gp_alloc_zero(&gp->log, "plan", MOST_TEXTS + 1, sizeof *plan->text,
                          &plan->text));
     GP_TRY(take_sense(plan, p.sense));

@@ -249,6 +249,12 @@ gp_api_taken(const struct glarepp_frame *f)
  * by none. */
 double gp_api_camera_fov(const struct glarepp_frame *f);
 
+/* Tests whether a frame is the whole sphere, of which nothing is beyond its border. */
+bool gp_api_is_round(const struct glarepp_frame *f);
+
+/* Errors: USAGE a frame that no lens has drawn, for ghosts and flares. */
+GP_MUST_CHECK gp_status gp_api_has_axis(const struct glarepp_frame *f);
+
 /* Finds the projection of that camera; false: the angle of view is not a camera's. */
 bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);
 

@@ -239,7 +239,7 @@ static void warn_of_kernel(const struct glarepp_frame *f, const struct made *m,
         strcmp(f->facts.kernel.fov_from, "default") == 0)
         return;
     // (an image may be kept from another angle)
-    const double made = l->fov / l->h;
+    const double made = gp_middle_degrees(l->fov, l->h);
     const double used = field->degrees * gp_kernel_request_scale(r, field);
     fault.parameter = "kernel.percent.angle";
     snprintf(fault.line, sizeof fault.line,
@@ -344,6 +344,16 @@ static gp_status make_kernel(struct glarepp_frame *f)
     facts->h = k->h;
     facts->grid = k->far ? k->far->split.step : 0;
     facts->left_out = fmax(k->sky ? gp_api_left_out(f, k) : k->left_out, 0.0);
+    if (!k->sky && field.projection.kind != GP_PLANE) {
+        facts->projection = "plane";
+        if (field.projection.kind != GP_PERSPECTIVE)
+            gp_say(&f->log, GP_LEVEL_WARN,
+                   "%s: its glare is that of a plane of %g degrees: "
+                   "true angles take models of the angle alone, lat-longs "
+                   "of a width that is a multiple of 8 without factors but 2, "
+                   "3, 5 and 7, and fisheyes about as wide as high",
+                   f->sink.name, facts->fov);
+    }
     facts->missed = use.missed;
     memcpy(facts->faint, k->faint, sizeof facts->faint);
     for (int i = 0; i < r->recipes; i++) {

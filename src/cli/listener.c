@@ -67,7 +67,9 @@ static const struct hint hints[] = {
     HINT("lights.wide", "name a light with --sun or --lights FILE")
     HINT("params.bridges", "put it beside the program, or leave --ocio out")
     HINT("plan.fov", "check --fov")
+    HINT("plan.fov.wide", "give --projection fisheye or equisolid")
     HINT("plan.projection", "use another --engine, or --projection plane")
+    HINT("plan.projection.axis", "leave --flare and --lens out")
     HINT("plan.rotate", "use --rotate 0, 90, 180 or 270")
     HINT("scene.camera", "give one of them to --scene-camera")
     HINT("scene.camera_normals", "give --scene-up or --normal-space")
@@ -186,6 +188,9 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
         p.has_ndc = gp_frame_numbers(f, "worldToScreen", 16, p.to_ndc);
         p.ndc = GLAREPP_NDC_CLIP;
     }
+    double map = 1.0;
+    if (gp_frame_numbers(f, "envmap", 1, &map) && map == 0.0)
+        p.projection = GLAREPP_LATLONG;
     p.focus = positive(f, "focus");
     p.aperture = positive(f, "aperture");
     p.white = positive(f, "whiteLuminance");

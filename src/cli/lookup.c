@@ -238,12 +238,20 @@ const struct gp_option_choice gp_normalizes[] = {
     {"none", GP_NORMALIZE_NONE, "not at all: use the values of the file"}, {0},
 };
 const struct gp_option_choice gp_projections[] = {
+    {"auto", GLAREPP_OF_FRAME,
+     "as the frame says: latlong by its envmap attribute, else perspective"},
     {"plane", GLAREPP_PLANE,
      "proportional to pixels, of a picture of no camera"},
     {"perspective", GLAREPP_PERSPECTIVE,
      "as a camera sees them, by its "
      "matrices, else by --fov, else 30 degrees: a kernel is narrower and "
      "stretched towards the border, as on film"},
+    {"latlong", GLAREPP_LATLONG,
+     "the whole sphere, as an environment: what leaves at one side comes in at "
+     "the other"},
+    {"fisheye", GLAREPP_FISHEYE,
+     "equidistant, of --fov, else 180 degrees; beyond them is nothing"},
+    {"equisolid", GLAREPP_EQUISOLID, "a fisheye of pixels of one solid angle"},
     {0},
 };
 const struct gp_option_choice gp_mixes[] = {

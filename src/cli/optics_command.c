@@ -120,8 +120,8 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
         GP_TRY(gp_write_picture(log, &write, outputs->at[i], &f, &f.rgb,
                                 GP_PICTURE_SCENE, &stats));
     gp_say(log, GP_LEVEL_INFO, "%s: %dx%d, %g degrees a pixel, left out %.3g",
-           outputs->at[0], gp_frame_w(&f), gp_frame_h(&f),
-           label.fov / label.h, label.left_out);
+           outputs->at[0], gp_frame_w(&f), gp_frame_h(&f), label.degrees,
+           label.left_out);
 out:
     glarepp_kernel_end(&k);
     gp_frame_free(&f);

@@ -181,9 +181,10 @@ const struct gp_option gp_options[] = {
                 "several add up by their shares",
         .usual = "Shape the glare; glarepp kernel --list has shapes"),
     OPT(plan.fov, .name = "fov", LENS(LIGHT), .arg = "DEG", .lo = 0.001,
-        .hi = 170,
+        .hi = 360,
         .help = "Vertical angle of view of the display window, by which models "
-                "have their size; without it the frame's camera, else 30",
+                "have their size; without it the frame's camera, else 30, of a "
+                "fisheye 180",
         .usual = "Set the vertical angle of view"),
     CHOICE(plan.projection, .name = "projection", DRAWS(LIGHT), .arg = "HOW",
         .choices = gp_projections, .help = "Take the angles of the frame's "

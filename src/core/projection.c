@@ -27,7 +27,32 @@ struct gp_projection gp_projection_of(enum gp_projecting kind,
            : kind == GP_EQUISOLID ? 4.0 * gp_sin(0.25 * radians) / h
                                   : radians / h;
     p.dx = aspect * p.dy;
+    const double half = fmin(0.5 * fmax(radians, M_PI), M_PI);
+    p.rim = kind == GP_FISHEYE     ? half
+            : kind == GP_EQUISOLID ? 2.0 * gp_sin(0.5 * half)
+                                   : 0.0;
     return p;
+}
+
+double gp_middle_degrees(double fov, double h)
+{
+    return fov < 180.0 ? 360.0 / M_PI * gp_tan(fov * M_PI / 360.0) / h
+                       : fov / h;
+}
+
+void gp_projection_span(const struct gp_projection *p, double x, double y,
+                        int n, int span[2])
+{
+    const double v = (y - p->y0) * p->dy;
+    span[0] = 0;
+    span[1] = n;
+    if (!(p->rim > 0.0))
+        return;
+    const double half = sqrt(fmax(p->rim * p->rim - v * v, 0.0)) / p->dx;
+    span[0] = (int) fmin(fmax(ceil(p->x0 - half - x), 0.0), n);
+    span[1] = (int) fmax(fmin(floor(p->x0 + half - x) + 1.0, n), span[0]);
+    if (fabs(v) > p->rim)
+        span[1] = span[0];
 }
 
 struct gp_v3 gp_projection_direction(const struct gp_projection *p, double x,

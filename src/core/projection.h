@@ -37,6 +37,7 @@ struct gp_projection {
     enum gp_projecting kind;
     double x0, y0; // place of the axis, pixels
     double dx, dy; // u and v of a pixel, > 0
+    double rim;    // r beyond which a fisheye shows nothing; 0: there is none
 };
 
 /* The metric of a place: a symmetric matrix, square radians a square pixel. */
@@ -47,17 +48,26 @@ struct gp_metric {
 /* Returns the projection of pictures whose display window shows `degrees` of view
  * from its upper to its lower edge, axis in the middle, of pixels that are
  * `aspect` times as wide as high. A LATLONG window shows the whole sphere, and a
- * PERSPECTIVE one less than 180 degrees; of an EQUISOLID one at most 360. */
+ * PERSPECTIVE one less than 180 degrees; of an EQUISOLID one at most 360. A fisheye
+ * shows half of the sphere, or `degrees` of it where that is more. */
 struct gp_projection gp_projection_of(enum gp_projecting kind,
                                       struct gp_rect display, double aspect,
                                       double degrees);
+
+/* Degrees that a pixel in the middle shows of a picture so many pixels high: a
+ * camera's, or where its angle of view is more than that can be, a plane's. */
+double gp_middle_degrees(double fov, double h);
 
 static inline bool gp_projection_same(const struct gp_projection *a,
                                       const struct gp_projection *b)
 {
     return a->kind == b->kind && a->x0 == b->x0 && a->y0 == b->y0 &&
-           a->dx == b->dx && a->dy == b->dy;
+           a->dx == b->dx && a->dy == b->dy && a->rim == b->rim;
 }
+
+/* Finds the pixels [span[0], span[1]) of n from place (x, y) on that show anything. */
+void gp_projection_span(const struct gp_projection *p, double x, double y,
+                        int n, int span[2]);
 
 /* Returns the direction that a place shows, of length 1. Of a PLANE, that of an
  * equidistant fisheye, for want of another. */

@@ -142,6 +142,13 @@ static gp_status try_whole(const struct gp_glare_request *req,
 
 // -- in words -----------------------------------------------------------------
 
+static const char *drawn_by(const struct gp_glare_request *req,
+                            const struct gp_choice *c)
+{
+    return req->kernel->sky && !c->whole ? "levels"
+                                         : gp_engines[c->engine]->name;
+}
+
 /* "fft for 21874 sources, bound 2e-05". */
 static void explain(const struct gp_glare_request *req,
                     const struct gp_choice *c)
@@ -157,9 +164,7 @@ static void explain(const struct gp_glare_request *req,
         snprintf(pixel_over, sizeof pixel_over, OVER,
                  (double) p->tolerance_pixel);
     snprintf(req->stats->why, sizeof req->stats->why,
-             "%s%s for %zu source%s, bound %.2g%s%s%s",
-             req->kernel->sky && !c->whole ? "levels"
-                                           : gp_engines[c->engine]->name,
+             "%s%s for %zu source%s, bound %.2g%s%s%s", drawn_by(req, c),
              c->whole && req->kernel->sky ? " by true angles"
              : c->whole                   ? " of the whole kernel"
              : c->in_double               ? " in double"
@@ -172,7 +177,7 @@ static void warn(const struct gp_glare_request *req, const char *path,
                  const struct gp_choice *c)
 {
     const struct gp_glare_params *const p = req->params;
-    const char *const name = gp_engines[c->engine]->name;
+    const char *const name = drawn_by(req, c);
     if (c->bound <= (double) p->tolerance)
         gp_say_at(req->log, GP_LEVEL_WARN, "layer.tolerance_pixel",
                   "%s: no engine guarantees a tolerance of %.3g in a pixel (the "

@@ -65,6 +65,9 @@ static int numbers_of(const exr_attribute_t *a, double v[16])
     case EXR_ATTR_FLOAT:
         v[0] = (double) a->f;
         return 1;
+    case EXR_ATTR_ENVMAP:
+        v[0] = (double) a->uc;
+        return 1;
     case EXR_ATTR_RATIONAL:
         v[0] = (double) a->rational->num / a->rational->denom;
         return 1;

@@ -300,6 +300,15 @@ static void stay_row(const struct adding *a, int y, float *own, float *rows,
     }
 }
 
+/* Leaves what is beyond a fisheye's rim dark. */
+static void cut_row(const struct gp_sky *s, int y, float *row)
+{
+    int span[2];
+    gp_projection_span(&s->p.projection, 0.0, y, s->p.w, span);
+    memset(row, 0, (size_t) span[0] * sizeof *row);
+    memset(row + span[1], 0, (size_t) (s->p.w - span[1]) * sizeof *row);
+}
+
 /* A band of pixels. */
 static void finish_band(void *ctx, int band, int thread)
 {
@@ -324,6 +333,7 @@ static void finish_band(void *ctx, int band, int thread)
                 from[k] = a->k->node[1][c] + (size_t) ((y >> 1) + k) * nodes;
             gp_sky_sum_rows(from, at[y & 1], GP_SKY_TAPS, (int) nodes, line);
             gp_sky_between_row(line, at[0], at[1], w, row + (size_t) c * wide);
+            cut_row(a->sky, y, row + (size_t) c * wide);
             write_row(row + (size_t) c * wide, w, d->add,
                       d->layer->c[c] + (size_t) y * (size_t) w);
             if (d->rest)

@@ -98,8 +98,10 @@ static void exact_row(void *ctx, int y, int thread)
     const struct gp_sources *const src = e->src;
     const size_t w = (size_t) src->w, plane = w * (size_t) src->h;
     double near[SIDE * SIDE];
+    int span[2];
     (void) thread;
-    for (int x = 0; x < src->w; x++) {
+    gp_projection_span(&e->sky->p.projection, 0.0, y, src->w, span);
+    for (int x = span[0]; x < span[1]; x++) {
         const size_t i = (size_t) y * w + (size_t) x;
         double sum[3] = {0};
         if (isnan(e->layer[i]))
@@ -119,7 +121,7 @@ void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,
 
 void gp_sky_sample(const struct gp_sources *src, double *layer)
 {
-    static const double MOST = 4e8; // pairs of a source and a pixel
+    static const double MOST = 5e7; // pairs of a source and a pixel: seconds
     static const double PIXELS = 3e5;
     const size_t n = (size_t) src->w * (size_t) src->h;
     const double each =
