@@ -500,10 +500,10 @@ run -k moffat:beta=1.1 --layer 's.#.exr' 'sizes.#.exr'
 is "$(grep -c 'falls outside' err)" 1 'once for all frames'
 
 run kernel -k eye --size 64x48 --fov 30 -o narrow.exr
-run --projection plane -k narrow.exr --fov 60 --layer l.exr in.exr
-like "$status $(cat err)" '0 *warning: narrow.exr: made for 0.625 degrees a pixel, used at 1.25 (50%*set --kernel-size to that' \
+run -k narrow.exr --fov 60 --layer l.exr in.exr
+like "$status $(cat err)" '0 *warning: narrow.exr: made for 0.6397 degrees a pixel, used at 1.378 (46.41%*set --kernel-size to that' \
     'a run warns of a kernel made for another angle'
-run --projection plane -k narrow.exr --fov 60 --kernel-size 50% --layer l.exr in.exr
+run -k narrow.exr --fov 60 --kernel-size 46.41% --layer l.exr in.exr
 no 'but not at the size it names' grep 'degrees a pixel' err
 run -q -k narrow.exr --fov 60 --layer l.exr in.exr
 quiet_success 'nor with -q'
