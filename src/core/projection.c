@@ -40,6 +40,15 @@ double gp_middle_degrees(double fov, double h)
                        : fov / h;
 }
 
+void gp_projection_pull(const struct gp_projection *p, double at[2])
+{
+    const double r = gp_hypot((at[0] - p->x0) * p->dx, (at[1] - p->y0) * p->dy);
+    if (p->rim > 0.0 && r > p->rim) {
+        at[0] = p->x0 + (at[0] - p->x0) * p->rim / r;
+        at[1] = p->y0 + (at[1] - p->y0) * p->rim / r;
+    }
+}
+
 void gp_projection_span(const struct gp_projection *p, double x, double y,
                         int n, int span[2])
 {

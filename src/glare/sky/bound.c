@@ -205,8 +205,10 @@ gp_status gp_sky_error_find(const struct gp_log *log, struct gp_sky *s)
 {
     gp_status st = GP_OK;
     for (int i = 0; i < 4 && !st; i++) { // middle, right, lower, corner
-        const int x = i & 1 ? s->p.w - 1 : s->p.w / 2;
-        const int y = i & 2 ? s->p.h - 1 : s->p.h / 2;
+        double at[2] = {i & 1 ? s->p.w - 1 : s->p.w / 2,
+                        i & 2 ? s->p.h - 1 : s->p.h / 2};
+        gp_projection_pull(&s->p.projection, at);
+        const int x = (int) at[0], y = (int) at[1];
         struct apart a;
         st = find_apart(log, s, x, y, &a);
         if (st)

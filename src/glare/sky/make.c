@@ -84,8 +84,8 @@ static void make_place(void *ctx, int i, int thread)
     if (mirror_of(s, i, turned) != i)
         return;
     double *const v = m->scratch + (size_t) thread * m->room;
-    const double at[2] = {gp_sky_pixel_of(s, 0, i % s->places.n[0]),
-                          gp_sky_pixel_of(s, 1, i / s->places.n[0])};
+    double at[2];
+    gp_sky_place_at(s, i, at);
     const double most = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
     for (int l = 0; l < s->levels - 1; l++) {
         struct gp_sky_level *const g = &s->level[l];
@@ -150,14 +150,13 @@ static void count_levels(struct gp_sky *s)
 static void size_levels(struct gp_sky *s)
 {
     double x = 0.0, y = 0.0; // how far a step of the steepest pixel reaches
-    for (int j = 0; j < s->places.n[1]; j++) {
-        for (int i = 0; i < s->places.n[0]; i++) {
-            const struct gp_sky_ellipse e =
-                gp_sky_ellipse_at(&s->p.projection, gp_sky_pixel_of(s, 0, i),
-                                  gp_sky_pixel_of(s, 1, j));
-            x = fmax(x, e.most * e.x);
-            y = fmax(y, e.most * e.y);
-        }
+    for (int i = 0; i < s->places.n[0] * s->places.n[1]; i++) {
+        double at[2];
+        gp_sky_place_at(s, i, at);
+        const struct gp_sky_ellipse e =
+            gp_sky_ellipse_at(&s->p.projection, at[0], at[1]);
+        x = fmax(x, e.most * e.x);
+        y = fmax(y, e.most * e.y);
     }
     for (int l = 0; l < s->levels; l++) {
         struct gp_sky_level *const g = &s->level[l];
@@ -182,9 +181,10 @@ static bool is_served(const struct gp_sky *s)
     if (p->kind == GP_PLANE)
         return false;
     for (int i = 0; i < 9; i++) {
-        const double x = (i % 3) * 0.5 * (s->p.w - 1);
-        const double y = (i / 3) * 0.5 * (s->p.h - 1);
-        const struct gp_sky_ellipse e = gp_sky_ellipse_at(p, x, y);
+        double at[2] = {(i % 3) * 0.5 * (s->p.w - 1),
+                        (i / 3) * 0.5 * (s->p.h - 1)};
+        gp_projection_pull(p, at);
+        const struct gp_sky_ellipse e = gp_sky_ellipse_at(p, at[0], at[1]);
         const bool round = p->kind == GP_LATLONG; // pixels of any length
         if (!(e.most <= MOST && (round || e.most <= LONG * e.least)))
             return false;

@@ -34,13 +34,18 @@ double gp_sky_place_of(const struct gp_sky *s, int axis, double x,
     return (t - s->places.first[axis]) / s->places.step[axis];
 }
 
-double gp_sky_pixel_of(const struct gp_sky *s, int axis, double i)
+void gp_sky_place_at(const struct gp_sky *s, int i, double at[2])
 {
     const struct gp_projection *const p = &s->p.projection;
-    const double t = s->places.first[axis] + i * s->places.step[axis];
-    const double u =
-        p->kind == GP_PERSPECTIVE ? 0.5 * (gp_exp(t) - gp_exp(-t)) : t;
-    return (axis ? p->y0 : p->x0) + u / scale_of(p, axis);
+    const int index[2] = {i % s->places.n[0], i / s->places.n[0]};
+    for (int axis = 0; axis < 2; axis++) {
+        const double t =
+            s->places.first[axis] + index[axis] * s->places.step[axis];
+        const double u =
+            p->kind == GP_PERSPECTIVE ? 0.5 * (gp_exp(t) - gp_exp(-t)) : t;
+        at[axis] = (axis ? p->y0 : p->x0) + u / scale_of(p, axis);
+    }
+    gp_projection_pull(p, at);
 }
 
 int gp_sky_cubic(double t, int n, double w[4])

@@ -176,8 +176,8 @@ GP_MUST_CHECK gp_status gp_sky_columns(const struct gp_log *log,
 double gp_sky_place_of(const struct gp_sky *s, int axis, double x,
                        double *slope);
 
-/* The pixel of place i along an axis. */
-double gp_sky_pixel_of(const struct gp_sky *s, int axis, double i);
+/* The pixel of place i; of one beyond a fisheye's rim, there. */
+void gp_sky_place_at(const struct gp_sky *s, int i, double at[2]);
 
 /* Weights of the four places around t, from the returned one on. */
 int gp_sky_cubic(double t, int n, double w[4]);

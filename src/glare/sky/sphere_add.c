@@ -276,7 +276,8 @@ GP_CLONES_WIDE static void sum_dense(const float *restrict light,
             for (int i = 0; i < CHUNK; i++)
                 sum[i] += weight[k] * light[x + i - k];
         }
-        for (int i = 0; i < CHUNK; i++)
+        const int end = n - x < CHUNK ? n - x : CHUNK;
+        for (int i = 0; i < end; i++)
             to[x + i] += sum[i];
     }
 }

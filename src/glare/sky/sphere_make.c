@@ -302,8 +302,10 @@ static void weigh_row(void *ctx, int row, int thread)
         const double own =
             gp_projection_solid(&s->p.projection, 0.0, row) *
             (close_mean(s, at, at) - gp_sky_sphere_mean(s, at, at));
-        o->even[row] = o->even[o->h - 1 - row] = 1.0 + (left - own) / along;
-        left = own;
+        if (left < 0.5 * own) {
+            o->even[row] = o->even[o->h - 1 - row] = 1.0 + (left - own) / along;
+            left = own;
+        }
     }
     o->own[row] = left + s->light.stays;
     o->own[o->h - 1 - row] = o->own[row];

@@ -3,92 +3,7 @@
  * pixels and a formula, the laws of light, and the bound. */
 #include "unit.h"
 #include "core/parallel.h"
-#include "glare/model/model_priv.h"
-#include "glare/sky/sky_priv.h"
-#include "glare_scene.h"
-#include "model_scene.h"
-
-static struct gp_sky_params params(const char *recipe, int w, int h, double fov,
-                                   double tolerance)
-{
-    const struct gp_field field = scene_field(w, h, fov / h, 1.0);
-    struct gp_recipe r = scene_recipe(recipe);
-    struct gp_sky_params p = {
-        .n = 1,
-        .share = {gp_recipe_value(&r, "share")},
-        .w = w,
-        .h = h,
-        .tolerance = tolerance,
-        .projection = gp_projection_of(GP_PERSPECTIVE,
-                                       (struct gp_rect) {0, 0, w, h}, 1.0, fov),
-    };
-    p.projection.x0 -= 0.5;
-    p.projection.y0 -= 0.5;
-    assert_true(r.model->angular(&r, &field, &p.part[0]));
-    gp_recipe_free(&r);
-    return p;
-}
-
-static struct gp_sky *sky_of(const struct gp_sky_params *p)
-{
-    struct gp_sky *s = NULL;
-    assert_ok(gp_sky_make(NULL, p, &s));
-    return s;
-}
-
-/* n lamps at random, or one at a place. */
-static struct gp_sources lamps(int w, int h, int n, int x, int y)
-{
-    const struct gp_sources like = {.w = w, .h = h};
-    struct gp_sources s, blank;
-    struct gp_source *list = scene_alloc((size_t) n, sizeof *list);
-    uint32_t seed = 7u;
-    assert_ok(gp_sources_make(NULL, &like, 0, &blank));
-    gp_sources_finish(&blank);
-    for (int i = 0; i < n; i++) {
-        list[i].x = n == 1 ? x : (int) (scene_random(&seed) * (float) w);
-        list[i].y = n == 1 ? y : (int) (scene_random(&seed) * (float) h);
-        for (int c = 0; c < 3; c++)
-            list[i].rgb[c] = 100.0f * (0.5f + scene_random(&seed));
-    }
-    assert_ok(gp_sources_join(NULL, &blank, list, (size_t) n, &s));
-    gp_sources_free(&blank);
-    free(list);
-    return s;
-}
-
-static void add(const struct gp_sky *sky, const struct gp_sources *src,
-                bool more, float stays, struct gp_planes *layer)
-{
-    struct gp_sky_kept *kept = NULL;
-    const struct gp_sky_drawing d = {
-        .src = src,
-        .add = more,
-        .more = {stays, stays, stays},
-        .layer = layer,
-    };
-    assert_ok(gp_sky_add(NULL, sky, &d, &kept));
-    gp_sky_kept_free(&kept);
-}
-
-static struct gp_planes layer_of(const struct gp_sky *sky,
-                                 const struct gp_sources *src)
-{
-    struct gp_planes p;
-    assert_ok(
-        gp_planes_make(NULL, "layer", (size_t) src->w * (size_t) src->h, &p));
-    add(sky, src, false, 0.0f, &p);
-    return p;
-}
-
-static double *exact_of(const struct gp_sky *sky, const struct gp_sources *src)
-{
-    const size_t n = 3 * (size_t) src->w * (size_t) src->h;
-    double *const v = scene_alloc(n, sizeof *v);
-    memset(v, 0, n * sizeof *v);
-    gp_sky_exact(sky, src, v);
-    return v;
-}
+#include "sky_scene.h"
 
 /* Errors over the layer: of all of it; from 4 pixels from a lone lamp on; and the
  * share of pixels whose veil is off by more than 0.5 %. */
@@ -99,8 +14,8 @@ struct errors {
 static struct errors compare(const struct gp_sky *sky,
                              const struct gp_sources *src)
 {
-    struct gp_planes got = layer_of(sky, src);
-    double *const want = exact_of(sky, src);
+    struct gp_planes got = sky_layer(sky, src);
+    double *const want = sky_exact(sky, src);
     const size_t n = (size_t) src->w * (size_t) src->h;
     double square[2] = {0}, norm[2] = {0};
     size_t off = 0;
@@ -135,15 +50,15 @@ static void levels_are_the_sum(void **state)
     (void) state;
     for (size_t i = 0; i < COUNT(fovs) * COUNT(models); i++) {
         const double fov = fovs[i / COUNT(models)];
-        const struct gp_sky_params p =
-            params(models[i % COUNT(models)], W, H, fov, 1e-3);
+        const struct gp_sky_params p = sky_params(
+            models[i % COUNT(models)], GP_PERSPECTIVE, W, H, fov, 1e-3);
         struct gp_sky *sky = sky_of(&p);
         assert_non_null(sky);
         const double bound = gp_sky_error_of(sky)->relative;
         assert_true(bound < 1e-2);
         for (size_t k = 0; k < COUNT(places); k++) {
-            struct gp_sources src = lamps(W, H, 1, (int) (W * places[k][0]),
-                                          (int) (H * places[k][1]));
+            struct gp_sources src = sky_lamps(W, H, 1, (int) (W * places[k][0]),
+                                              (int) (H * places[k][1]));
             const struct errors e = compare(sky, &src);
             // (where a moffat turns from even light to a power it is steeper)
             const double off = i % COUNT(models) < 2 ? 0.05 : 0.2;
@@ -164,9 +79,10 @@ static void levels_are_the_sum(void **state)
 
 static void a_tolerance_is_kept(void **state)
 {
-    const struct gp_sky_params p = params("eye", 240, 135, 40.0, 1e-5);
+    const struct gp_sky_params p =
+        sky_params("eye", GP_PERSPECTIVE, 240, 135, 40.0, 1e-5);
     struct gp_sky *sky = sky_of(&p);
-    struct gp_sources src = lamps(240, 135, 1, 180, 100);
+    struct gp_sources src = sky_lamps(240, 135, 1, 180, 100);
     (void) state;
     const struct errors e = compare(sky, &src);
     assert_true(e.all <= gp_sky_error_of(sky)->relative);
@@ -181,10 +97,11 @@ static void many_lights_are_within_the_bound(void **state)
     enum { W = 150, H = 90 };
     (void) state;
     for (int fov = 35; fov <= 95; fov += 60) {
-        const struct gp_sky_params p = params("eye", W, H, fov, 1e-3);
+        const struct gp_sky_params p =
+            sky_params("eye", GP_PERSPECTIVE, W, H, fov, 1e-3);
         struct gp_sky *sky = sky_of(&p);
         for (int n = 10; n <= 1000; n *= 10) {
-            struct gp_sources src = lamps(W, H, n, 0, 0);
+            struct gp_sources src = sky_lamps(W, H, n, 0, 0);
             const struct errors e = compare(sky, &src);
             assert_true(e.all <= gp_sky_error_of(sky)->relative);
             assert_true(e.off <= 0.05);
@@ -228,12 +145,13 @@ static void the_sum_is_as_defined(void **state)
                                   {7, 1}, {-20, 9}, {-60, -40}};
     (void) state;
     for (int fov = 40; fov <= 100; fov += 60) {
-        const struct gp_sky_params p = params("eye", W, H, fov, 0.0);
+        const struct gp_sky_params p =
+            sky_params("eye", GP_PERSPECTIVE, W, H, fov, 0.0);
         struct gp_sky *sky = sky_of(&p);
         for (int k = 0; k < 2; k++) {
             struct gp_sources src =
-                lamps(W, H, 1, k ? W - 30 : W / 2, k ? H - 12 : H / 2);
-            double *const v = exact_of(sky, &src);
+                sky_lamps(W, H, 1, k ? W - 30 : W / 2, k ? H - 12 : H / 2);
+            double *const v = sky_exact(sky, &src);
             for (size_t i = 0; i < COUNT(away); i++) {
                 const double from[2] = {src.x[0], src.box.y0};
                 const double at[2] = {from[0] + away[i][0],
@@ -260,13 +178,14 @@ static void light_is_kept(void **state)
     enum { W = 240, H = 135 };
     (void) state;
     for (int fov = 30; fov <= 90; fov += 30) {
-        const struct gp_sky_params p = params("eye", W, H, fov, 1e-3);
+        const struct gp_sky_params p =
+            sky_params("eye", GP_PERSPECTIVE, W, H, fov, 1e-3);
         struct gp_sky *sky = sky_of(&p);
         for (int k = 0; k < 3; k++) {
             const int x = k ? W - 2 - 100 * (k - 1) : W / 2;
             const int y = k ? H - 1 : H / 2;
-            struct gp_sources src = lamps(W, H, 1, x, y);
-            struct gp_planes got = layer_of(sky, &src);
+            struct gp_sources src = sky_lamps(W, H, 1, x, y);
+            struct gp_planes got = sky_layer(sky, &src);
             float row[W];
             double sum = 0.0;
             for (int i = 0; i < W * H; i++)
@@ -294,26 +213,27 @@ static void light_is_kept(void **state)
 static void laws_hold(void **state)
 {
     enum { W = 200, H = 120, N = W * H };
-    const struct gp_sky_params p = params("eye", W, H, 50.0, 1e-3);
+    const struct gp_sky_params p =
+        sky_params("eye", GP_PERSPECTIVE, W, H, 50.0, 1e-3);
     struct gp_sky *sky = sky_of(&p), *less = sky_of(&p);
-    struct gp_sources src = lamps(W, H, 500, 0, 0);
+    struct gp_sources src = sky_lamps(W, H, 500, 0, 0);
     (void) state;
-    struct gp_planes one = layer_of(sky, &src);
+    struct gp_planes one = sky_layer(sky, &src);
     gp_set_threads(5);
     struct gp_sky *again = sky_of(&p);
-    struct gp_planes other = layer_of(again, &src);
+    struct gp_planes other = sky_layer(again, &src);
     gp_set_threads(0);
     assert_memory_equal(one.c[0], other.c[0], N * sizeof(float));
     assert_memory_equal(one.c[2], other.c[2], N * sizeof(float));
     const float taken = (float) gp_sky_give(less);
     assert_true(taken > 0.1f && gp_sky_given(less) == (double) taken);
-    add(less, &src, false, taken, &other);
+    sky_add(less, &src, false, taken, &other);
     for (int i = 0; i < N; i++)
         assert_true(fabsf(one.c[1][i] - other.c[1][i]) <= 1e-6f * one.c[1][i]);
     for (size_t i = 0; i < 3 * src.n; i++)
         src.rgb[i % 3][i / 3] *= 2.0f;
-    add(sky, &src, true, 0.0f, &one);
-    struct gp_planes twice = layer_of(sky, &src);
+    sky_add(sky, &src, true, 0.0f, &one);
+    struct gp_planes twice = sky_layer(sky, &src);
     for (int i = 0; i < N; i++)
         assert_true(fabsf(one.c[0][i] - 1.5f * twice.c[0][i]) <=
                     1e-5f * one.c[0][i]);
@@ -343,7 +263,8 @@ static void hard_frames_are_served(void **state)
     (void) state;
     for (size_t i = 0; i < COUNT(hard); i++) {
         const int w = hard[i].w, h = hard[i].h;
-        struct gp_sky_params p = params("eye", w, h, hard[i].fov, 1e-3);
+        struct gp_sky_params p =
+            sky_params("eye", GP_PERSPECTIVE, w, h, hard[i].fov, 1e-3);
         p.projection.x0 += hard[i].x;
         p.projection.y0 += hard[i].y;
         p.projection.dx *= hard[i].aspect;
@@ -351,7 +272,7 @@ static void hard_frames_are_served(void **state)
         assert_true((sky != NULL) == hard[i].served);
         if (!sky)
             continue;
-        struct gp_sources src = lamps(w, h, 1, w / 3, h / 3);
+        struct gp_sources src = sky_lamps(w, h, 1, w / 3, h / 3);
         const struct errors e = compare(sky, &src);
         if (!(e.all <= gp_sky_error_of(sky)->relative))
             print_message("# row %zu: %.2e of %.2e\n", i, e.all,
