@@ -18,7 +18,7 @@ usage: exr.py FILE [key=value...]
   display=x0,y0,x1,y1 display window, both ends inside; else the data window
   pad=x0,y0,x1,y1     the data window instead, both ends inside; pixels around
                       the others are black, Z is 1e10 there
-  attr=name:string:text  and float, int, rational, v2f, m44f (numbers with commas),
+  attr=name:string:text  and float, int, rational, envmap, v2f, m44f (numbers with commas),
                       stringvector (words with commas)
   part=NAME:Z:float   one more part, of these channels (with commas)
   deep=1              a deep file without samples; deep=N of less than N a pixel
@@ -101,7 +101,7 @@ def given_attribute(text):
     # a name may have colons too: it ends before a type
     name, kind, value = re.match(
         "(.+?):(string|stringvector|float|int|rational|v2f|m44f|chromaticities|"
-        "chlist|deepImageState|idmanifest|keycode|preview):(.*)", text,
+        "chlist|deepImageState|envmap|idmanifest|keycode|preview):(.*)", text,
         re.S).groups()
     if kind == "string":
         return attribute(name, kind, value.encode())
@@ -111,6 +111,8 @@ def given_attribute(text):
     v = [float(n) for n in value.split(",")]
     if kind == "int":
         return attribute(name, kind, struct.pack("<i", int(v[0])))
+    if kind == "envmap":
+        return attribute(name, kind, struct.pack("B", int(v[0])))
     if kind == "rational":
         return attribute(name, kind, struct.pack("<iI", int(v[0]), int(v[1])))
     return attribute(name, kind, struct.pack("<%df" % len(v), *v))

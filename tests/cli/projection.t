@@ -58,9 +58,57 @@ same a.exr b.exr 'settings keep the projection'
 run --layer a.exr wide.exr
 run --threads 1 --layer b.exr wide.exr
 same a.exr b.exr 'the same bytes by one thread'
+# -- spheres and fisheyes ------------------------------------------------------------
+
+frame sphere.exr seed=3 size=200x100 attr=envmap:envmap:0
+frame cube.exr seed=3 size=64x384 attr=envmap:envmap:1
+frame odd.exr seed=3 size=206x103
+run --layer a.exr --report r.json --verify sphere.exr
+quiet_success 'a lat-long by its attribute'
+is "$(field r.json 'o["projection"], o["engine"], o["kernel_left_out"]')" \
+    "('latlong', 'levels', 0.0)" 'of which no light is lost'
+is "$(field r.json 'o["measured"]["rel_l2"] <= o["bound"] <= 1e-3')" True \
+    'within its bound'
+frame same.exr seed=3 size=200x100
+run --projection latlong --fov 77 --layer b.exr same.exr
+ok 'a lat-long by the option, which no angle of view changes' \
+    "$glarepp" compare --fail 0 --no-flip a.exr b.exr
+run --edges mirror --threads 1 --layer b.exr sphere.exr
+ok 'nothing is beyond its border; the same by one thread' \
+    "$glarepp" compare --fail 0 --no-flip a.exr b.exr
+run --projection perspective --layer b.exr --report r.json sphere.exr
+is "$(field r.json 'o["projection"]')" perspective 'the option is over the attribute'
+run --projection latlong -k star --layer b.exr --report r.json sphere.exr
+like "$status $(cat err)" '0 *warning: sphere.exr: its glare is that of a plane*' \
+    'a model with rays has no place on a sphere'
+run --projection latlong --layer b.exr --report r.json odd.exr
+like "$status $(cat err) $(field r.json 'o["projection"]')" \
+    '0 *warning: odd.exr: its glare is that of a plane*plane' 'a width with a factor of 103'
+run -o no.png cube.exr
+like "$status $(cat err)" '4 *cube.exr: its envmap is a cube map; *exrenvmap*' \
+    'a cube map is refused, with a way out'
+run --flare preset:zoom --lights auto -o no.png sphere.exr
+like "$status $(cat err)" '2 *sphere.exr: a lat-long frame has no axis*--flare*' \
+    'and so is a flare on a sphere'
+is "$(ls no.png 2>/dev/null)" '' 'nothing is written'
+run --fov 200 --layer no.exr in.exr
+like "$status $(cat err)" '2 *fov: 200 degrees*--projection fisheye*' \
+    'a perspective ends before 180 degrees'
+for how in fisheye equisolid; do
+    run --projection $how -k eye --fov 200 --verify --layer l.exr --report r.json wide.exr
+    quiet_success "$how: 200 degrees"
+    is "$(field r.json 'o["projection"], o["fov_from"], o["measured"]["rel_l2"] <= o["bound"]')" \
+        "('$how', 'option', True)" "$how: within its bound"
+done
+run --projection fisheye --report r.json --layer l.exr wide.exr
+is "$(field r.json 'o["fov_from"]')" projection '180 degrees without --fov'
+
+# -- hard angles ---------------------------------------------------------------------
+
 run --projection perspective --fov 0.001 --layer l.exr --report r.json in.exr
 status_is 0 'a tele lens'
-run --projection perspective --fov 170 --layer l.exr --report r.json in.exr
-quiet_success 'an angle that no level serves is of a plane'
+run --projection perspective --fov 179.9 --layer l.exr --report r.json in.exr
+quiet_success 'an angle that no level serves'
+is "$(field r.json 'o["projection"]')" plane 'is of a plane, and the report says so'
 
 done_testing

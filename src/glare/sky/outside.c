@@ -56,11 +56,15 @@ static double part_of(const struct gp_sky *s, struct gp_v3 p,
     double sum = 0.0;
     for (int k = 0; k < g->n; k++) {
         const double t = 0.5 * (a + b) + (b - a) * g->node[k];
-        const double x = side->from[0] + t * side->along[0];
-        const double y = side->from[1] + t * side->along[1];
-        const struct gp_v3 e = gp_projection_direction(q, x, y);
-        const struct gp_v3 next = gp_projection_direction(
-            q, x + STEP * side->along[0], y + STEP * side->along[1]);
+        double at[2], on[2]; // the border, and a step further on
+        for (int i = 0; i < 2; i++) {
+            at[i] = side->from[i] + t * side->along[i];
+            on[i] = at[i] + STEP * side->along[i];
+        }
+        gp_projection_pull(q, at);
+        gp_projection_pull(q, on);
+        const struct gp_v3 e = gp_projection_direction(q, at[0], at[1]);
+        const struct gp_v3 next = gp_projection_direction(q, on[0], on[1]);
         const struct gp_v3 apart = gp_v3_sub(e, p), across = gp_v3_cross(p, e);
         const double turn =
             gp_v3_dot(p, gp_v3_cross(e, gp_v3_sub(next, e))) / STEP;

@@ -219,6 +219,7 @@ static void lay_levels(struct gp_sky *s)
 {
     static const int FEW = 96; // intervals of the last level
     struct gp_sky_sphere *const o = s->sphere;
+    o->levels = 1;
     while (o->h >> (o->levels + 1) >= FEW && o->levels < GP_SKY_LEVELS - 1)
         o->levels++;
     const int last = gp_max((int) lround(ldexp(o->h, -o->levels) / 0.75), 2);
