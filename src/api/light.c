@@ -283,7 +283,6 @@ gp_status gp_api_flare(struct glarepp_frame *f)
     GP_TRY(gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image));
     if (!suns->flare.n)
         return st;
-    GP_TRY(gp_api_has_axis(f));
     facts->gain = 1.0;
     if (f->p.parts || gain != 1.0f)
         GP_TRY(gp_api_part_open(f, &f->image, &before));

@@ -545,6 +545,20 @@ static gp_status finish(struct glarepp_frame *f)
 
 // -- steps --------------------------------------------------------------------
 
+/* A lens's parts, where one may have drawn the frame. */
+static gp_status add_flare(struct glarepp_frame *f)
+{
+    const bool any = f->work->lights->suns.flare.n > 0;
+    const gp_status st = any ? gp_api_has_axis(f) : GP_OK;
+    return st ? st : gp_api_flare(f);
+}
+
+static gp_status add_ghosts(struct glarepp_frame *f)
+{
+    const gp_status st = gp_api_has_axis(f);
+    return st ? st : gp_api_lens(f);
+}
+
 static const struct {
     const char *name;
     gp_status (*run)(struct glarepp_frame *f);
@@ -559,8 +573,8 @@ static const struct {
     [GLAREPP_KERNEL] = {"kernel", make_kernel, BIT(SENSE), false},
     [GLAREPP_LAYER] = {"glare", add_layer, BIT(SENSE) | BIT(KERNEL), false},
     [GLAREPP_VERIFY] = {"verify", verify, BIT(LAYER), false},
-    [GLAREPP_FLARE] = {"flare", gp_api_flare, BIT(SENSE), true},
-    [GLAREPP_LENS] = {"lens", gp_api_lens, BIT(SENSE), true},
+    [GLAREPP_FLARE] = {"flare", add_flare, BIT(SENSE), true},
+    [GLAREPP_LENS] = {"lens", add_ghosts, BIT(SENSE), true},
     [GLAREPP_COMPOSE] = {"compose", compose, 0, false},
     [GLAREPP_TONE] = {"tonemap", show, BIT(COMPOSE), false},
     [GLAREPP_DONE] = {"done", finish, 0, false},

@@ -285,7 +285,7 @@ GP_CLONES_WIDE static void sum_dense(const float *restrict light,
 /* Lines of a row with room beyond both ends. */
 static size_t line_room(const struct gp_sky_sphere *o, int margin)
 {
-    return (size_t) (o->w + 2 * margin + 2 * 64);
+    return (size_t) o->w + 2 * (size_t) margin + 128;
 }
 
 /* Adds what row `from` of sources spreads to the three lines of row y of the sphere,

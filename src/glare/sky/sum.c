@@ -274,11 +274,11 @@ void gp_sky_find_factors(const struct gp_sky_weights *w, int i, int n,
 
 // -- sums ---------------------------------------------------------------------
 
-/* Sums dense light around the BLOCK columns and ROWS rows from (x, y) on, so many
- * columns at a time as a vector has. Down a column of weights each row of light meets
- * the weights of ROWS rows: `u` has those of rows j, j + 1 .. before it, and `d` by how
- * much they grow with a row; at both ends only some of them. */
-#define SUM_DENSE(name, vector, unaligned, target)                             \
+/* Adds, to sums of ROWS rows, columns of weights times the light that they meet. Down a
+ * column each row of light meets the weights of ROWS rows: `u` has those of rows j,
+ * j + 1 .. before it, and `d` by how much they grow with a row; at both ends only some
+ * of them. */
+#define SUM_COLUMN(name, vector, unaligned)                                    \
     static inline __attribute__((always_inline)) void name##_row(              \
         vector a[ROWS][3], const vector u[ROWS], const vector d[ROWS],         \
         const float *down, const float *const v[3], int from, int to)          \
@@ -333,7 +333,14 @@ void gp_sky_find_factors(const struct gp_sky_weights *w, int i, int n,
             for (int c = 0; c < 3; c++)                                        \
                 v[c] += pitch;                                                 \
         }                                                                      \
-    }                                                                          \
+    }
+
+SUM_COLUMN(sum_narrow, lanes, loose)
+SUM_COLUMN(sum_wide, wide, loose_wide)
+
+/* Sums dense light around the BLOCK columns and ROWS rows from (x, y) on, so many columns
+ * at a time as a vector has. */
+#define SUM_DENSE(name, vector, target)                                        \
     target static void name(const struct gp_sky_weights *w,                    \
                             const struct gp_sky_grid *light, int x, int y,     \
                             const float *down, float sum[ROWS][3][BLOCK])      \
@@ -363,8 +370,8 @@ void gp_sky_find_factors(const struct gp_sky_weights *w, int i, int n,
         }                                                                      \
     }
 
-SUM_DENSE(sum_narrow, lanes, loose, GP_CLONES)
-SUM_DENSE(sum_wide, wide, loose_wide, GP_WIDE)
+SUM_DENSE(sum_narrow, lanes, GP_CLONES)
+SUM_DENSE(sum_wide, wide, GP_WIDE)
 
 void gp_sky_sum_dense(const struct gp_sky_weights *w,
                       const struct gp_sky_grid *light, int x, int y, int r,

@@ -16,8 +16,8 @@ struct gp_sky_grid {
 GP_MUST_CHECK gp_status gp_sky_grid_make(const struct gp_log *log,
                                          const struct gp_sky_level *g,
                                          struct gp_sky_grid *out);
-bool gp_sky_grid_fits(const struct gp_sky_grid *g,
-                      const struct gp_sky_level *level);
+bool gp_sky_grid_fits(const struct gp_sky_grid *t,
+                      const struct gp_sky_level *g);
 void gp_sky_grid_free(struct gp_sky_grid *g);
 
 static inline float *gp_sky_grid_row(const struct gp_sky_grid *g, int c, int y)
