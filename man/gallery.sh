@@ -50,6 +50,21 @@ cat >"$tmp/lights.json" <<'END'
 END
 shot headlights 640 --lights "$tmp/lights.json" --sun-in-frame --flare preset:zoom \
     examples/headlights.exr
+# a lamp in the middle and one in the corner of a frame of 90 degrees
+python3 -c '
+import struct, sys
+w, h = 640, 360
+def value(x, y):
+    lamp = any(abs(x - a) < 2 and abs(y - b) < 2 for a, b in ((320, 180), (604, 336)))
+    return 3e4 if lamp else 0.02
+sys.stdout.buffer.write(b"PF\n%d %d\n-1.0\n" % (w, h) + b"".join(
+    struct.pack("<3f", *[value(x, h - 1 - y)] * 3) for y in range(h) for x in range(w)))
+' >"$tmp/lamps.pfm"
+for how in plane perspective; do
+    shot angles-$how 480 --projection $how --fov 90 -k eye "$tmp/lamps.pfm"
+done
+sheet angles 2x1 480 angles-plane.jpg angles-perspective.jpg
+rm $to/angles-*.jpg
 "$glarepp" styles -q -o "$tmp/styles.png" examples/street.exr
 convert "$tmp/styles.png" -resize 1200 -quality 82 -strip $to/styles.jpg
 for frame in street hall leaves.1003 headlights lamp; do

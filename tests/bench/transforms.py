@@ -45,8 +45,9 @@ def run(program, frame, kernel, *options):
     """Returns the report of one run, a dict for each frame."""
     with tempfile.TemporaryDirectory() as folder:
         report = f"{folder}/r.json"
-        subprocess.run([program, "-q", "-e", "fft", "-k", kernel, "--report",
-                        report, "--frame-jobs", "1", *options, frame],
+        subprocess.run([program, "-q", "-e", "fft", "--projection", "plane", "-k",
+                        kernel, "--report", report, "--frame-jobs", "1", *options,
+                        frame],
                        check=True, cwd=folder)
         with open(report, encoding="utf-8") as rows:
             return [json.loads(row) for row in rows]
