@@ -186,9 +186,11 @@ static void say_light(FILE *w, const struct gp_frame_report *f)
 /* Words for what says the angle of view. */
 static const char *origin(const char *from)
 {
-    return strcmp(from, "option") == 0    ? "--fov"
-           : strcmp(from, "default") == 0 ? "assumed"
-           : strcmp(from, "lens") == 0    ? "of the lens" : "of its camera";
+    return strcmp(from, "option") == 0       ? "--fov"
+           : strcmp(from, "default") == 0    ? "assumed"
+           : strcmp(from, "lens") == 0       ? "of the lens"
+           : strcmp(from, "projection") == 0 ? "of --projection"
+                                             : "of its camera";
 }
 
 static void say_kernel(FILE *w, const struct gp_frame_report *f)

@@ -36,16 +36,20 @@ struct gp_projection gp_projection_of(enum gp_projecting kind,
 
 double gp_middle_degrees(double fov, double h)
 {
-    return fov < 180.0 ? 360.0 / M_PI * gp_tan(fov * M_PI / 360.0) / h
+    const double radians = fov * (M_PI / 180.0);
+    return fov < 180.0 ? 2.0 * gp_tan(0.5 * radians) / h * (180.0 / M_PI)
                        : fov / h;
 }
 
-void gp_projection_pull(const struct gp_projection *p, double at[2])
+void gp_projection_pull(const struct gp_projection *p, double beyond,
+                        double at[2])
 {
+    const double last = p->kind == GP_EQUISOLID ? 1.95 : 0.95 * M_PI;
+    const double most = fmax(fmin(p->rim + beyond, last), p->rim);
     const double r = gp_hypot((at[0] - p->x0) * p->dx, (at[1] - p->y0) * p->dy);
-    if (p->rim > 0.0 && r > p->rim) {
-        at[0] = p->x0 + (at[0] - p->x0) * p->rim / r;
-        at[1] = p->y0 + (at[1] - p->y0) * p->rim / r;
+    if (p->rim > 0.0 && r > most) {
+        at[0] = p->x0 + (at[0] - p->x0) * most / r;
+        at[1] = p->y0 + (at[1] - p->y0) * most / r;
     }
 }
 

@@ -65,8 +65,10 @@ static inline bool gp_projection_same(const struct gp_projection *a,
            a->dx == b->dx && a->dy == b->dy && a->rim == b->rim;
 }
 
-/* Moves a place that is beyond the rim to it, towards the axis. */
-void gp_projection_pull(const struct gp_projection *p, double at[2]);
+/* Moves a place whose r is `beyond` the rim, or more, there, towards the axis: less
+ * where all directions would end before. */
+void gp_projection_pull(const struct gp_projection *p, double beyond,
+                        double at[2]);
 
 /* Finds the pixels [span[0], span[1]) of n from place (x, y) on that show anything. */
 void gp_projection_span(const struct gp_projection *p, double x, double y,

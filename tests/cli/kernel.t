@@ -271,11 +271,11 @@ like "$status $(cat err)" '0 *warning: odd.exr: its light sums to *' \
     'a run warns of them'
 run -k odd.exr --kernel-normalize luminance --layer l.exr in.exr
 no 'but not where they are scaled' grep 'its light sums' err
-run kernel -k eye --size 64x48 --threads 1 -o a.exr
-run kernel -k eye --size 64x48 --threads 2 -o b.exr
+run kernel -k eye --fov 0.02 --size 64x48 --threads 1 -o a.exr
+run kernel -k eye --fov 0.02 --size 64x48 --threads 2 -o b.exr
 same a.exr b.exr 'the same bytes for any number of threads'
-run --projection plane -k eye -e direct --layer l.exr in.exr
-run -k a.exr --kernel-normalize none -e direct --layer m.exr in.exr
+run --projection plane -k eye --fov 0.02 -e direct --type float --layer l.exr in.exr
+run -k a.exr --fov 0.02 --kernel-normalize none -e direct --type float --layer m.exr in.exr
 ok 'the file makes the layer of its model' "$glarepp" compare --fail-rel 1e-6 \
     --no-flip l.exr m.exr
 
@@ -289,14 +289,14 @@ run kernel -k aperture:share=1,wavelengths=8 --size 64x48 -o a.exr
 is "$("$python" "$cli/tags.py" a.exr | grep '^chromaticities')" \
     chromaticities=0.6400,0.3300,0.3000,0.6000,0.1500,0.0600,0.3127,0.3290 \
     'a kernel file names its primaries'
-run --projection plane -k aperture:share=1,wavelengths=8 -e direct --layer 'm.#.exr' 'wide.#.exr'
-run -k a.exr -e direct --layer 'l.#.exr' --report r.json 'wide.#.exr'
+run -k aperture:share=1,wavelengths=8 -e direct --type float --layer 'm.#.exr' 'wide.#.exr'
+run -k a.exr -e direct --type float --layer 'l.#.exr' --report r.json 'wide.#.exr'
 quiet_success 'a kernel file in frames of other primaries'
 for i in 1 2 3; do
     ok "makes the layer of the model in those of frame $i" "$glarepp" compare \
         --no-flip --fail-rel 1e-5 m.$i.exr l.$i.exr
 done
-run -k image:file=a.exr -e direct --layer 'l.#.exr' 'wide.#.exr'
+run -k image:file=a.exr -e direct --type float --layer 'l.#.exr' 'wide.#.exr'
 ok 'and so does its recipe' "$glarepp" compare --no-flip --fail-rel 1e-5 \
     m.1.exr l.1.exr
 run kernel --check a.exr
@@ -467,7 +467,9 @@ run -k whole.exr -e direct --layer l.exr --report r.json in.exr
 quiet_success 'no warning of light that falls beside the frame'
 is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"]')" \
     '(True, 0.0)' 'which the report has'
-run --projection plane --style eye --layer m.exr --report r.json -e direct in.exr
+# in a plane of the angle that has the same degrees in the middle
+run --projection plane --fov 30.7047157005 --style eye --layer m.exr --report r.json \
+    -e direct in.exr
 quiet_success 'nor by the model itself'
 is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"], o["kernel"]["recipes"]')" \
     "(True, 0.0, ['spencer'])" 'which reports the same'

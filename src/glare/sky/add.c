@@ -401,6 +401,28 @@ out:
     return st;
 }
 
+/* Takes the sources that are within a fisheye's rim. */
+static gp_status take_within(const struct gp_log *log,
+                             const struct gp_projection *p,
+                             const struct gp_sources *src,
+                             struct gp_sources *out)
+{
+    gp_status st = gp_sources_make(log, src, src->n, out);
+    for (int y = 0; y < src->h && !st; y++) {
+        int span[2];
+        gp_projection_span(p, 0.0, y, src->w, span);
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+            const float rgb[3] = {src->rgb[0][i], src->rgb[1][i],
+                                  src->rgb[2][i]};
+            if (src->x[i] >= span[0] && src->x[i] < span[1])
+                gp_sources_add(out, src->x[i], y, rgb);
+        }
+    }
+    if (!st)
+        gp_sources_finish(out);
+    return st;
+}
+
 static gp_status add_sphere(const struct gp_log *log, const struct gp_sky *sky,
                             const struct gp_sky_drawing *d,
                             struct gp_sky_kept **kept)
@@ -423,13 +445,19 @@ gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
 {
     if (sky->sphere)
         return add_sphere(log, sky, d, kept);
+    struct gp_sources within = {0};
+    struct gp_sky_drawing own = *d;
     gp_status st = keep(log, sky, kept);
+    if (!st && sky->p.projection.rim > 0.0) {
+        st = take_within(log, &sky->p.projection, d->src, &within);
+        own.src = &within;
+    }
     if (st)
         return st;
     const struct gp_sky_kept *const k = *kept;
-    struct adding a = {.sky = sky, .d = d, .k = k};
+    struct adding a = {.sky = sky, .d = &own, .k = k};
     const int last = sky->levels - 1;
-    gp_sky_index_fill(&k->index, d->src);
+    gp_sky_index_fill(&k->index, own.src);
     gp_parallel_do((k->light[1].h + BAND - 1) / BAND, gather_band, &a);
     for (a.level = 2; a.level <= last; a.level++)
         gp_parallel_do(3 * k->light[a.level].h, halve_row, &a);
@@ -441,5 +469,6 @@ gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
         gp_parallel_do(3 * g->h, find_row, &a);
     }
     gp_parallel_do((d->src->h + BAND - 1) / BAND, finish_band, &a);
+    gp_sources_free(&within);
     return GP_OK;
 }

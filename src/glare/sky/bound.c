@@ -75,6 +75,17 @@ static double fade(int i, int n)
     return v * v;
 }
 
+/* The term of a level between a place and another one, by its metric alone: around a
+ * fisheye's rim directions end. */
+static double flat_term(const struct gp_sky *s, int l, double side,
+                        const struct gp_metric *m, double x, double y)
+{
+    const double angle =
+        sqrt(m->xx * x * x + 2.0 * m->xy * x * y + m->yy * y * y);
+    const double chord = 2.0 * gp_sin(0.5 * fmin(angle, M_PI));
+    return gp_sky_soft_term(s, l, side, chord * chord);
+}
+
 /* The norm of the error of a level at a place. Of the last one, whose term has no end,
  * as if others came after it, and these: each is under .75 of the
  * one before. */
@@ -90,11 +101,15 @@ static double level_error(const struct gp_sky *s, int l, const double at[2])
     // all of the term
     const int n =
         gp_max(s->level[l].rx, s->level[l].ry) < SIDE / 4 ? SIDE / 2 : SIDE;
+    const struct gp_metric m =
+        gp_projection_metric(&s->p.projection, at[0], at[1]);
     for (int i = 0; i < n * n; i++) {
-        const double from[2] = {at[0] - (i % n - n / 2) * step,
-                                at[1] - (i / n - n / 2) * step};
-        term[i] = area * gp_sky_term(s, l, false, at, from, side) *
-                  fade(i % n, n) * fade(i / n, n);
+        const double x = (i % n - n / 2) * step, y = (i / n - n / 2) * step;
+        const double from[2] = {at[0] - x, at[1] - y};
+        term[i] = s->p.projection.rim > 0.0
+                      ? flat_term(s, l, side, &m, x, y)
+                      : gp_sky_term(s, l, false, at, from, side);
+        term[i] *= area * fade(i % n, n) * fade(i / n, n);
     }
     find_spectrum(term, n, spectrum);
     for (int j = 0; j < n; j++) {
@@ -207,7 +222,7 @@ gp_status gp_sky_error_find(const struct gp_log *log, struct gp_sky *s)
     for (int i = 0; i < 4 && !st; i++) { // middle, right, lower, corner
         double at[2] = {i & 1 ? s->p.w - 1 : s->p.w / 2,
                         i & 2 ? s->p.h - 1 : s->p.h / 2};
-        gp_projection_pull(&s->p.projection, at);
+        gp_projection_pull(&s->p.projection, 0.0, at);
         const int x = (int) at[0], y = (int) at[1];
         struct apart a;
         st = find_apart(log, s, x, y, &a);

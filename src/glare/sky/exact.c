@@ -69,8 +69,12 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
     const int ry = gp_min((int) ceil(2.0 * o.most * o.y) + 1, NEAR);
     bool known = false;
     for (int sy = 0; sy < src->h; sy++) {
+        int span[2];
+        gp_projection_span(p, 0.0, sy, src->w, span);
         for (uint32_t i = src->row[sy]; i < src->row[sy + 1]; i++) {
             const double from[2] = {src->x[i], sy};
+            if (src->x[i] < span[0] || src->x[i] >= span[1])
+                continue;
             const int dx = x - src->x[i], dy = y - sy;
             const double c = gp_projection_chord2(p, x, y, from[0], sy);
             double share;

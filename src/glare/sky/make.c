@@ -178,12 +178,14 @@ static bool is_served(const struct gp_sky *s)
 {
     static const double MOST = 8.0 * M_PI / 180.0, LONG = 16.0;
     const struct gp_projection *const p = &s->p.projection;
-    if (p->kind == GP_PLANE)
+    // beyond these 230 degrees a fisheye's corners have no direction
+    if (p->kind == GP_PLANE ||
+        p->rim > (p->kind == GP_EQUISOLID ? 1.687 : 2.008))
         return false;
     for (int i = 0; i < 9; i++) {
         double at[2] = {(i % 3) * 0.5 * (s->p.w - 1),
                         (i / 3) * 0.5 * (s->p.h - 1)};
-        gp_projection_pull(p, at);
+        gp_projection_pull(p, 0.0, at);
         const struct gp_sky_ellipse e = gp_sky_ellipse_at(p, at[0], at[1]);
         const bool round = p->kind == GP_LATLONG; // pixels of any length
         if (!(e.most <= MOST && (round || e.most <= LONG * e.least)))

@@ -61,8 +61,8 @@ static double part_of(const struct gp_sky *s, struct gp_v3 p,
             at[i] = side->from[i] + t * side->along[i];
             on[i] = at[i] + STEP * side->along[i];
         }
-        gp_projection_pull(q, at);
-        gp_projection_pull(q, on);
+        gp_projection_pull(q, 0.0, at);
+        gp_projection_pull(q, 0.0, on);
         const struct gp_v3 e = gp_projection_direction(q, at[0], at[1]);
         const struct gp_v3 next = gp_projection_direction(q, on[0], on[1]);
         const struct gp_v3 apart = gp_v3_sub(e, p), across = gp_v3_cross(p, e);

@@ -36,6 +36,7 @@ double gp_sky_place_of(const struct gp_sky *s, int axis, double x,
 
 void gp_sky_place_at(const struct gp_sky *s, int i, double at[2])
 {
+    static const double BEYOND = 0.3; // cubics need two places
     const struct gp_projection *const p = &s->p.projection;
     const int index[2] = {i % s->places.n[0], i / s->places.n[0]};
     for (int axis = 0; axis < 2; axis++) {
@@ -45,7 +46,7 @@ void gp_sky_place_at(const struct gp_sky *s, int i, double at[2])
             p->kind == GP_PERSPECTIVE ? 0.5 * (gp_exp(t) - gp_exp(-t)) : t;
         at[axis] = (axis ? p->y0 : p->x0) + u / scale_of(p, axis);
     }
-    gp_projection_pull(p, at);
+    gp_projection_pull(p, BEYOND, at);
 }
 
 int gp_sky_cubic(double t, int n, double w[4])

@@ -139,6 +139,10 @@ GP_MUST_CHECK gp_status gp_sky_outside_table(const struct gp_log *log,
 double gp_sky_term(const struct gp_sky *s, int level, bool last,
                    const double at[2], const double from[2], double most);
 
+/* The same of the square of a chord, no mean over pixels. */
+double gp_sky_soft_term(const struct gp_sky *s, int level, double most,
+                        double c);
+
 /* Divides the samples of the cubic B-spline out of w x h terms, zero beyond. */
 void gp_sky_divide(double *v, int w, int h);
 
@@ -176,7 +180,7 @@ GP_MUST_CHECK gp_status gp_sky_columns(const struct gp_log *log,
 double gp_sky_place_of(const struct gp_sky *s, int axis, double x,
                        double *slope);
 
-/* The pixel of place i; of one beyond a fisheye's rim, there. */
+/* The pixel of place i; of one far beyond a fisheye's rim, nearer to that. */
 void gp_sky_place_at(const struct gp_sky *s, int i, double at[2]);
 
 /* Weights of the four places around t, from the returned one on. */

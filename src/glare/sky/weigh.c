@@ -33,6 +33,12 @@ static double scale_at(const struct gp_sky *s, int l, double most)
     return a * a;
 }
 
+double gp_sky_soft_term(const struct gp_sky *s, int l, double most, double c)
+{
+    return gp_sky_soft(&s->light, scale_at(s, l, most), c) -
+           gp_sky_soft(&s->light, scale_at(s, l + 1, most), c);
+}
+
 double gp_sky_term(const struct gp_sky *s, int l, bool last, const double at[2],
                    const double from[2], double most)
 {

@@ -88,7 +88,7 @@ static void values_out_of_range(void **state)
             assert_null(plan);                                                \
         }                                                                     \
     } while (0)
-    BAD(plan, fov, NAN, -5.0, 200.0);
+    BAD(plan, fov, NAN, -5.0, 361.0);
     BAD(plan, rotate, NAN, INFINITY);
     BAD(sense, threshold, NAN, INFINITY, -1.0f);
     BAD(sense, knee, NAN, -0.1f, 2.0f);
