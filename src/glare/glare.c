@@ -248,6 +248,7 @@ out:
 }
 
 struct summed {
+    const struct gp_sky *sky;
     const double *from;
     const struct gp_planes *to;
     int w, h;
@@ -263,6 +264,7 @@ static void add_summed(void *ctx, int i, int thread)
     (void) thread;
     for (size_t x = 0; x < w; x++)
         to[x] = (float) ((double) to[x] + from[x]);
+    gp_sky_cut_row(s->sky, i % s->h, to);
 }
 
 /* Adds true angles to the core, as they are defined. */
@@ -270,7 +272,12 @@ static gp_status add_exact(const struct gp_log *log, struct drawing *d)
 {
     const struct gp_sources *const src = d->req.src;
     const size_t n = 3 * (size_t) src->w * (size_t) src->h;
-    struct summed s = {.to = &d->f->layer, .w = src->w, .h = src->h};
+    struct summed s = {
+        .sky = d->kernel->sky,
+        .to = &d->f->layer,
+        .w = src->w,
+        .h = src->h,
+    };
     double *sum;
     gp_status st = gp_alloc_zero(log, "layer", n, sizeof *sum, &sum);
     if (st)

@@ -11,9 +11,12 @@ each angle of view, model and place, rel_l2 by --projection perspective: by leve
 a lone lamp is summed (auto); how many pixels are within 0.5 %; its bound; and rel_l2 by
 --projection plane.
 
+Then a lat-long of 2048x1024, a lamp in 12 places: the ratio to the definition that 99 % of
+the pixels from 4 rows on are within, and the light that is kept.
+
 With FRAMES, the folder that frames.py fills, also the time of the glare stage and the
-memory by perspective over those by plane, at three angles: medians of frames that
-follow the first, runs in turn.
+memory by perspective over those by plane, at three angles, and those of a lat-long of
+4096x2048: medians of frames that follow the first, runs in turn.
 """
 import json
 import math
@@ -40,16 +43,16 @@ MODELS = {
 
 def write(path, image):
     with open(path, "wb") as f:
-        f.write(b"PF\n%d %d\n-1.0\n" % (W, H))
+        f.write(b"PF\n%d %d\n-1.0\n" % image.shape[1::-1])
         f.write(image[::-1].astype("<f4").tobytes())
 
 
 def read(path):
     with open(path, "rb") as f:
         f.readline()
+        w, h = (int(n) for n in f.readline().split())
         f.readline()
-        f.readline()
-        return np.frombuffer(f.read(), "<f4").reshape(H, W, 3)[::-1, :, 1].astype(float)
+        return np.frombuffer(f.read(), "<f4").reshape(h, w, 3)[::-1, :, 1].astype(float)
 
 
 def sphere(light):
@@ -114,6 +117,85 @@ def main():
                           (fov, model, place, row[0], row[1], 100 * near, bound, row[2]))
 
 
+def sphere_definition(light, h, px, py):
+    """On a lat-long of 2 h columns, by two Gauss points along each axis of each pixel."""
+    node = np.array([-0.5, 0.5]) / math.sqrt(3)
+    step, total = math.pi / h, np.zeros((h, 2 * h))
+    row, column = np.mgrid[0:h, 0:2 * h]
+    for a, b, c, d in np.ndindex(2, 2, 2, 2):
+        v = (row + 0.5 + node[a]) * step - math.pi / 2
+        w = (py + 0.5 + node[b]) * step - math.pi / 2
+        u = (column - px + node[c] - node[d]) * step
+        half = np.sin((v - w) / 2) ** 2 + np.cos(v) * np.cos(w) * np.sin(u / 2) ** 2
+        t = np.degrees(2 * np.arcsin(np.sqrt(np.minimum(half, 1.0))))
+        total += light(np.minimum(t, 100.0)) / 16
+    v = (py + 0.5) * step - math.pi / 2
+    return total * step * step * math.cos(v)
+
+
+def spheres():
+    h = 1024
+    print("| lat-long 2048x1024 | lamp | 99 % within | bound | light kept |\n|---|---|---|---|---|")
+    solid = np.cos((np.arange(h) + 0.5) * math.pi / h - math.pi / 2)[:, None]
+    row, column = np.mgrid[0:h, 0:2 * h]
+    whole = sphere(MODELS["eye"])
+    with tempfile.TemporaryDirectory() as folder:
+        frame, layer, report = (os.path.join(folder, n) for n in ("f.pfm", "l.pfm", "r"))
+        for px, py in ((1024, 512), (0, 512), (2047, 511), (512, 200), (0, 820), (2047, 100),
+                       (190, 15), (1300, 5), (630, 1), (0, 0), (1536, 1023), (2047, 1010)):
+            image = np.zeros((h, 2 * h, 3), np.float32)
+            image[py, px] = 1e6
+            write(frame, image)
+            subprocess.run([GLAREPP, "-q", "-t", "0", "--threshold-mode", "whole", "-e",
+                            "fft", "-k", "eye", "--projection", "latlong", "--layer",
+                            layer, "--report", report, frame], check=True)
+            got = read(layer) / 1e6
+            with open(report, encoding="utf-8") as f:
+                bound = json.loads(f.readline())["bound_angle"]
+            v, w = ((n + 0.5) * math.pi / h - math.pi / 2 for n in (row, py))
+            u = (column - px) * math.pi / h
+            away = np.sin((v - w) / 2) ** 2 + np.cos(v) * np.cos(w) * np.sin(u / 2) ** 2
+            veil = away > (2 * math.pi / h) ** 2
+            want = sphere_definition(MODELS["eye"], h, px, py) / whole
+            print("| | %d, %d | %.2f %% | %.1e | %.5f |" %
+                  (px, py, 100 * np.quantile(abs(got[veil] / want[veil] - 1), 0.99), bound,
+                   (got * solid).sum() / math.cos(w)))
+
+
+def sphere_speeds():
+    print("| lat-long 4096x2048 | ms, plane | latlong, over it | first frame | kernel, ms | "
+          "memory |\n|---|---|---|---|---|---|")
+    rng = np.random.default_rng(1)
+    with tempfile.TemporaryDirectory() as folder:
+        for name, share in ("lamps", 1e-4), ("windows", 0.03), ("sky", 0.4):
+            image = rng.random((2048, 4096, 3), np.float32) * 0.5
+            block = rng.random((256, 512)) < share if share > 1e-3 else None
+            lit = np.kron(block, np.ones((8, 8), bool)) if block is not None else \
+                rng.random((2048, 4096)) < share
+            image[lit] *= 100.0
+            for i in range(1, 4):
+                write(folder + "/s.%d.pfm" % i, image)
+            rows = {"plane": [], "latlong": []}
+            for _ in range(2):
+                for way, found in rows.items():
+                    subprocess.run([GLAREPP, "-q", "-k", "eye", "--fov", "150", "--projection",
+                                    way, "--layer", folder + "/l.@.pfm", "--report",
+                                    folder + "/r", folder + "/s.@.pfm"], check=True)
+                    with open(folder + "/r", encoding="utf-8") as f:
+                        found.append([json.loads(line) for line in f])
+            ms, first, kernel, memory = (
+                {way: statistics.median(get(r) for run in runs for r in run[a:b])
+                 for way, runs in rows.items()}
+                for a, b, get in ((1, 3, lambda r: r["times_ms"]["glare"]),
+                                  (0, 1, lambda r: r["times_ms"]["glare"]),
+                                  (0, 1, lambda r: r["times_ms"]["kernel"]),
+                                  (2, 3, lambda r: r["peak_rss_mib"])))
+            print("| %s | %.1f | %.2f | %.2f | %.1f, %.1f | %.2f |" %
+                  (name, ms["plane"], ms["latlong"] / ms["plane"],
+                   first["latlong"] / first["plane"], kernel["plane"], kernel["latlong"],
+                   memory["latlong"] / memory["plane"]))
+
+
 def speeds(frames):
     print("| fov | frame | ms, plane | perspective, over it | first frame | kernel, ms | "
           "memory |\n|---|---|---|---|---|---|---|")
@@ -149,5 +231,7 @@ def speeds(frames):
 
 if __name__ == "__main__":
     main()
+    spheres()
     if len(sys.argv) > 2:
         speeds(sys.argv[2])
+        sphere_speeds()

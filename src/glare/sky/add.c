@@ -300,8 +300,7 @@ static void stay_row(const struct adding *a, int y, float *own, float *rows,
     }
 }
 
-/* Leaves what is beyond a fisheye's rim dark. */
-static void cut_row(const struct gp_sky *s, int y, float *row)
+void gp_sky_cut_row(const struct gp_sky *s, int y, float *row)
 {
     int span[2];
     gp_projection_span(&s->p.projection, 0.0, y, s->p.w, span);
@@ -333,9 +332,9 @@ static void finish_band(void *ctx, int band, int thread)
                 from[k] = a->k->node[1][c] + (size_t) ((y >> 1) + k) * nodes;
             gp_sky_sum_rows(from, at[y & 1], GP_SKY_TAPS, (int) nodes, line);
             gp_sky_between_row(line, at[0], at[1], w, row + (size_t) c * wide);
-            cut_row(a->sky, y, row + (size_t) c * wide);
-            write_row(row + (size_t) c * wide, w, d->add,
-                      d->layer->c[c] + (size_t) y * (size_t) w);
+            float *const to = d->layer->c[c] + (size_t) y * (size_t) w;
+            write_row(row + (size_t) c * wide, w, d->add, to);
+            gp_sky_cut_row(a->sky, y, to);
             if (d->rest)
                 d->rest(d->ctx, c * h + y, thread);
         }

@@ -105,14 +105,18 @@ static void exact_row(void *ctx, int y, int thread)
     int span[2];
     (void) thread;
     gp_projection_span(&e->sky->p.projection, 0.0, y, src->w, span);
-    for (int x = span[0]; x < span[1]; x++) {
+    for (int x = 0; x < src->w; x++) {
         const size_t i = (size_t) y * w + (size_t) x;
+        const bool seen = x >= span[0] && x < span[1];
         double sum[3] = {0};
         if (isnan(e->layer[i]))
             continue;
-        sum_pixel(e->sky, src, x, y, near, sum);
-        for (size_t k = 0; k < 3; k++)
-            e->layer[k * plane + i] += sum[k];
+        if (seen)
+            sum_pixel(e->sky, src, x, y, near, sum);
+        for (size_t k = 0; k < 3; k++) {
+            double *const to = &e->layer[k * plane + i];
+            *to = seen ? *to + sum[k] : 0.0;
+        }
     }
 }
 

@@ -87,6 +87,9 @@ void gp_sky_kept_free(struct gp_sky_kept **kept);
  * of a frame of w x h pixels in the middle of those that they are for. */
 void gp_sky_own(const struct gp_sky *sky, int w, int h, int y, float *row);
 
+/* Leaves what is beyond a fisheye's rim dark, in a row of a layer. */
+void gp_sky_cut_row(const struct gp_sky *sky, int y, float *row);
+
 /* Adds the layer as it is defined, sample by sample in double, to 3 w h numbers that
  * are not NaN: those are left out. */
 void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,
