@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What a frame's pixels show: by the plan, else by its file, else a camera's. */
+/* Returns the projection of a frame: the plan's, else its file's, else a camera's. */
 static int projection_of(const struct glarepp_frame *f)
 {
     const int asked = f->plan->projection;

@@ -14,7 +14,7 @@
 
 enum { BAND = GP_SKY_BAND, REACH = GP_SKY_REACH };
 
-/* What frames of one size take, kept from frame to frame. */
+/* Memory that frames of one size take, kept from frame to frame. */
 struct gp_sky_kept {
     int levels;
     struct gp_sky_grid light[GP_SKY_LEVELS]; // of levels from 1 on: moments

@@ -47,6 +47,7 @@ struct gp_sky_sphere {
     int levels; // level[1] .. level[levels - 1]; level[0]: around the poles
     struct gp_sky_circles level[GP_SKY_LEVELS];
     int near;                    // rows that the first term reaches
+    int margin;                  // the most columns that an arc reaches
     struct gp_sky_arc *arc;      // [row][near + down], of the upper half; owned
     float *weight;               // of arcs; owned
     double *own;                 // share that stays in pixels of rows; owned

@@ -360,21 +360,12 @@ static void finish_row(const struct adding *a, int y, int margin, float *light,
     }
 }
 
-/* The farthest that a row away from the poles reaches. */
-static int margin_of(const struct gp_sky_sphere *o)
-{
-    int most = 0;
-    for (int i = 0; i < (o->h + 1) / 2 * (2 * o->near + 1); i++)
-        most = gp_max(most, o->arc[i].reach);
-    return most;
-}
-
 static void finish_band(void *ctx, int band, int thread)
 {
     const struct adding *const a = ctx;
     const struct gp_sky_drawing *const d = a->d;
     float *const light = (void *) (a->scratch + (size_t) thread * a->room);
-    const int margin = margin_of(a->o), h = d->src->h;
+    const int margin = a->o->margin, h = d->src->h;
     for (int y = band * BAND; y < gp_min((band + 1) * BAND, h); y++) {
         finish_row(a, y, margin, light, light + line_room(a->o, margin));
         for (int c = 0; c < 3 && d->rest; c++)
@@ -398,7 +389,7 @@ gp_status gp_sky_sphere_add(const struct gp_log *log, const struct gp_sky *s,
         a.nodes += (size_t) o->level[l].n + 3;
     }
     a.room = (6 * a.nodes + 2 * (size_t) o->level[0].n) * sizeof(struct point);
-    const size_t lines = 4 * line_room(o, margin_of(o)) * sizeof(float);
+    const size_t lines = 4 * line_room(o, o->margin) * sizeof(float);
     a.room = (a.room > lines ? a.room : lines) + GP_POINT_BYTES;
     a.room -= a.room % GP_POINT_BYTES;
     if (!m->z[0])

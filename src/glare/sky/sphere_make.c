@@ -69,36 +69,49 @@ static double close_mean(const struct gp_sky *s, const double at[2],
     return sum;
 }
 
-double gp_sky_sphere_mean(const struct gp_sky *s, const double at[2],
-                          const double from[2])
+/* The mean of P over two pixels, however near. */
+static double mean_of(const struct gp_sky *s, double chord2, const double at[2],
+                      const double from[2])
 {
-    const struct gp_projection *const p = &s->p.projection;
-    const double away =
-        sqrt(gp_projection_chord2(p, at[0], at[1], from[0], from[1])) /
-        side_of(s);
-    const double by = s->sphere->even[(int) at[1]];
-    double soft = 0.0;
-    if (at[1] == from[1])
-        soft = gp_sky_mean(&s->light, p, scale_of(s, 1), 0.0, 2, at, from);
-    if (at[0] == from[0] && at[1] == from[1]) // all but what levels leave there
-        return soft;
-    const double mean = away < 2.0 ? close_mean(s, at, from)
-                                   : gp_sky_mean(&s->light, p, 0.0, 0.0,
-                                                 gp_sky_order(away), at, from);
-    return at[1] == from[1] ? soft + by * (mean - soft) : mean;
+    const double away = sqrt(chord2) / side_of(s);
+    return away < 2.0 ? close_mean(s, at, from)
+                      : gp_sky_mean(&s->light, &s->p.projection, 0.0, 0.0,
+                                    gp_sky_order(away), at, from);
+}
+
+static double soft_mean(const struct gp_sky *s, const double at[2],
+                        const double from[2])
+{
+    return gp_sky_mean(&s->light, &s->p.projection, scale_of(s, 1), 0.0, 2, at,
+                       from);
+}
+
+/* Tests whether the first term of two pixels has ended. */
+static bool is_over(const struct gp_sky *s, double chord2)
+{
+    return chord2 > scale_of(s, 1) * (1.0 + 2.0 / s->ratio);
 }
 
 /* The first term of two pixels; 0 of one with itself. */
 static double first_term(const struct gp_sky *s, const double at[2],
                          const double from[2])
 {
-    const double a = scale_of(s, 1);
     const double c =
         gp_projection_chord2(&s->p.projection, at[0], at[1], from[0], from[1]);
-    if (c > a * (1.0 + 2.0 / s->ratio))
+    const bool along = at[1] == from[1];
+    if (is_over(s, c) || (along && at[0] == from[0]))
         return 0.0;
-    return gp_sky_sphere_mean(s, at, from) -
-           gp_sky_mean(&s->light, &s->p.projection, a, 0.0, 2, at, from);
+    return (along ? s->sphere->even[(int) at[1]] : 1.0) *
+           (mean_of(s, c, at, from) - soft_mean(s, at, from));
+}
+
+double gp_sky_sphere_mean(const struct gp_sky *s, const double at[2],
+                          const double from[2])
+{
+    const double c =
+        gp_projection_chord2(&s->p.projection, at[0], at[1], from[0], from[1]);
+    return is_over(s, c) ? mean_of(s, c, at, from)
+                         : soft_mean(s, at, from) + first_term(s, at, from);
 }
 
 // -- coefficients ----------------------------------------------------------------
@@ -246,11 +259,10 @@ static void lay_levels(struct gp_sky *s)
 /* Finds how far the first term reaches along a row. */
 static int reach_of(const struct gp_sky *s, int row, int from)
 {
-    const double end = scale_of(s, 1) * (1.0 + 2.0 / s->ratio);
     int reach = -1;
     while (2 * (reach + 1) <= s->sphere->w &&
-           gp_projection_chord2(&s->p.projection, 0.0, row, reach + 1.0,
-                                from) <= end)
+           !is_over(s, gp_projection_chord2(&s->p.projection, 0.0, row,
+                                            reach + 1.0, from)))
         reach++;
     return reach;
 }
@@ -300,9 +312,8 @@ static void weigh_row(void *ctx, int row, int thread)
             o->weight[a->at] = 0.0f;
     }
     if (row < o->level[0].n) {
-        const double own =
-            gp_projection_solid(&s->p.projection, 0.0, row) *
-            (close_mean(s, at, at) - gp_sky_sphere_mean(s, at, at));
+        const double own = gp_projection_solid(&s->p.projection, 0.0, row) *
+                           (close_mean(s, at, at) - soft_mean(s, at, at));
         if (left < 0.5 * own) {
             o->even[row] = o->even[o->h - 1 - row] = 1.0 + (left - own) / along;
             left = own;
@@ -330,6 +341,7 @@ static gp_status make_arcs(const struct gp_log *log, struct gp_sky *s)
         const size_t half = (size_t) gp_max(reach, 0);
         o->arc[i] = (struct gp_sky_arc) {reach, count + half};
         count += reach < 0 ? 0 : 2 * half + 1;
+        o->margin = gp_max(o->margin, reach);
     }
     GP_TRY(gp_alloc(log, "kernel", count, sizeof *o->weight, &o->weight));
     gp_parallel_do(rows, weigh_row, s);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* What tests of glare/sky share: levels of a model, lamps, layers. */
+/* Levels of a model, lamps and layers, for tests of glare/sky. */
 #ifndef GP_SKY_SCENE_H
 #define GP_SKY_SCENE_H
 

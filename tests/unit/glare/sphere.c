@@ -224,7 +224,7 @@ static void others_are_refused(void **state)
     }
 }
 
-/* What is beyond a fisheye's rim is dark, and the rest as it is defined. */
+/* Pixels beyond a fisheye's rim are dark, and the rest as they are defined. */
 static void fisheyes_have_a_rim(void **state)
 {
     enum { SIDE = 150, M = SIDE * SIDE };
