@@ -311,16 +311,19 @@ static gp_status draw_sky(const struct gp_log *log,
     if (alone)
         req->stats->engine = "levels";
     rest->added = rest->add != NULL;
-    return gp_sky_add(log, k->sky,
-                      &(struct gp_sky_drawing) {
-                          .src = req->src,
-                          .add = !alone,
-                          .more = {stays[0], stays[1], stays[2]},
-                          .rest = rest->add,
-                          .ctx = rest->ctx,
-                          .layer = &d->f->layer,
-                      },
-                      &d->g->sky);
+    st = gp_sky_add(log, k->sky,
+                    &(struct gp_sky_drawing) {
+                        .src = req->src,
+                        .add = !alone,
+                        .more = {stays[0], stays[1], stays[2]},
+                        .rest = rest->add,
+                        .ctx = rest->ctx,
+                        .layer = &d->f->layer,
+                    },
+                    &d->g->sky);
+    if (d->params.last)
+        gp_sky_kept_free(&d->g->sky);
+    return st;
 }
 
 /* Runs the engine, and adds the kernel's far field and light from beyond the

@@ -162,71 +162,54 @@ def spheres():
                    (got * solid).sum() / math.cos(w)))
 
 
+def speed_row(folder, frames, fov, way, runs, *head):
+    """Prints times of a projection over the plane's, runs in turn."""
+    rows = {"plane": [], way: []}
+    for _ in range(runs):
+        for name, found in rows.items():
+            subprocess.run([GLAREPP, "-q", "-k", "eye", "--fov", str(fov), "--projection",
+                            name, "--layer", folder + "/l.@.pfm", "--report", folder + "/r",
+                            os.path.join(folder, frames)], check=True)
+            with open(folder + "/r", encoding="utf-8") as f:
+                found.append([json.loads(line) for line in f])
+    ms, first, kernel, memory = (
+        {name: statistics.median(get(r) for run in found for r in run[part])
+         for name, found in rows.items()}
+        for part, get in ((slice(1, None), lambda r: r["times_ms"]["glare"]),
+                          (slice(1), lambda r: r["times_ms"]["glare"]),
+                          (slice(1), lambda r: r["times_ms"]["kernel"]),
+                          (slice(-1, None), lambda r: r["peak_rss_mib"])))
+    print("| %s | %.1f | %.2f | %.2f | %.1f, %.1f | %.2f |" %
+          (" | ".join(head), ms["plane"], ms[way] / ms["plane"],
+           first[way] / first["plane"], kernel["plane"], kernel[way],
+           memory[way] / memory["plane"]))
+
+
 def sphere_speeds():
     print("| lat-long 4096x2048 | ms, plane | latlong, over it | first frame | kernel, ms | "
           "memory |\n|---|---|---|---|---|---|")
     rng = np.random.default_rng(1)
     with tempfile.TemporaryDirectory() as folder:
-        for name, share in ("lamps", 1e-4), ("windows", 0.03), ("sky", 0.4):
+        for name, side, share in ("lamps", 1, 1e-4), ("windows", 8, 0.03), ("sky", 8, 0.4):
             image = rng.random((2048, 4096, 3), np.float32) * 0.5
-            block = rng.random((256, 512)) < share if share > 1e-3 else None
-            lit = np.kron(block, np.ones((8, 8), bool)) if block is not None else \
-                rng.random((2048, 4096)) < share
-            image[lit] *= 100.0
+            lit = rng.random((2048 // side, 4096 // side)) < share
+            image[np.kron(lit, np.ones((side, side), bool))] *= 100.0
             for i in range(1, 4):
                 write(folder + "/s.%d.pfm" % i, image)
-            rows = {"plane": [], "latlong": []}
-            for _ in range(2):
-                for way, found in rows.items():
-                    subprocess.run([GLAREPP, "-q", "-k", "eye", "--fov", "150", "--projection",
-                                    way, "--layer", folder + "/l.@.pfm", "--report",
-                                    folder + "/r", folder + "/s.@.pfm"], check=True)
-                    with open(folder + "/r", encoding="utf-8") as f:
-                        found.append([json.loads(line) for line in f])
-            ms, first, kernel, memory = (
-                {way: statistics.median(get(r) for run in runs for r in run[a:b])
-                 for way, runs in rows.items()}
-                for a, b, get in ((1, 3, lambda r: r["times_ms"]["glare"]),
-                                  (0, 1, lambda r: r["times_ms"]["glare"]),
-                                  (0, 1, lambda r: r["times_ms"]["kernel"]),
-                                  (2, 3, lambda r: r["peak_rss_mib"])))
-            print("| %s | %.1f | %.2f | %.2f | %.1f, %.1f | %.2f |" %
-                  (name, ms["plane"], ms["latlong"] / ms["plane"],
-                   first["latlong"] / first["plane"], kernel["plane"], kernel["latlong"],
-                   memory["latlong"] / memory["plane"]))
+            speed_row(folder, "s.@.pfm", 150, "latlong", 2, name)
 
 
 def speeds(frames):
     print("| fov | frame | ms, plane | perspective, over it | first frame | kernel, ms | "
           "memory |\n|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
+        for name in "w1", "w2", "w3":
+            for i in range(1, 6):
+                os.symlink(os.path.join(os.path.abspath(frames), name + "_1920.exr"),
+                           os.path.join(folder, "%s.%d.exr" % (name, i)))
         for fov in 20, 40, 90:
             for name in "w1", "w2", "w3":
-                for i in range(1, 6):
-                    link = os.path.join(folder, "%s.%d.exr" % (name, i))
-                    if not os.path.exists(link):
-                        os.symlink(os.path.join(frames, name + "_1920.exr"), link)
-                rows = {"plane": [], "perspective": []}
-                for _ in range(3):
-                    for way, found in rows.items():
-                        subprocess.run(
-                            [GLAREPP, "-q", "-k", "eye", "--fov", str(fov),
-                             "--projection", way, "--layer", folder + "/l.@.pfm",
-                             "--report", folder + "/r",
-                             os.path.join(folder, name + ".@.exr")], check=True)
-                        with open(folder + "/r", encoding="utf-8") as f:
-                            found.append([json.loads(line) for line in f])
-                ms, first, kernel, memory = (
-                    {way: statistics.median(get(r) for run in runs for r in run[a:b])
-                     for way, runs in rows.items()}
-                    for a, b, get in ((1, 5, lambda r: r["times_ms"]["glare"]),
-                                      (0, 1, lambda r: r["times_ms"]["glare"]),
-                                      (0, 1, lambda r: r["times_ms"]["kernel"]),
-                                      (4, 5, lambda r: r["peak_rss_mib"])))
-                print("| %g | %s | %.1f | %.2f | %.2f | %.1f, %.1f | %.2f |" %
-                      (fov, name, ms["plane"], ms["perspective"] / ms["plane"],
-                       first["perspective"] / first["plane"], kernel["plane"],
-                       kernel["perspective"], memory["perspective"] / memory["plane"]))
+                speed_row(folder, name + ".@.exr", fov, "perspective", 3, str(fov), name)
 
 
 if __name__ == "__main__":
