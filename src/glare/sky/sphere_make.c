@@ -114,15 +114,178 @@ double gp_sky_sphere_mean(const struct gp_sky *s, const double at[2],
                          : soft_mean(s, at, from) + first_term(s, at, from);
 }
 
+// -- the first term -----------------------------------------------------------------
+
+/* First terms of rows `row` of the upper half and `row` + `down`, 0 .. near, of pixels
+ * 0 .. reach columns apart. */
+struct terms {
+    const struct gp_sky *s;
+    struct gp_sky_arc *pair; // [row][down]; owned
+    float *v;                // owned
+};
+
+/* Returns a pair's terms; `*reach` is -1 where there are none. */
+static const float *terms_of(const struct terms *t, int row, int down,
+                             int *reach)
+{
+    const struct gp_sky_arc *const p =
+        &t->pair[row * (t->s->sphere->near + 1) + down];
+    *reach = p->reach;
+    return t->v + p->at;
+}
+
+/* Finds how far the first term reaches along a row. */
+static int reach_of(const struct gp_sky *s, int row, int from)
+{
+    int reach = -1;
+    while (2 * (reach + 1) <= s->sphere->w &&
+           !is_over(s, gp_projection_chord2(&s->p.projection, 0.0, row,
+                                            reach + 1.0, from)))
+        reach++;
+    return reach;
+}
+
+static void find_terms(void *ctx, int i, int thread)
+{
+    const struct terms *const t = ctx;
+    const int side = t->s->sphere->near + 1;
+    const double at[2] = {0.0, i / side};
+    (void) thread;
+    for (int x = 0; x <= t->pair[i].reach; x++)
+        t->v[t->pair[i].at + (size_t) x] = (float) first_term(
+            t->s, at, (const double[2]) {x, i / side + i % side});
+}
+
+static gp_status make_terms(const struct gp_log *log, const struct gp_sky *s,
+                            struct terms *t)
+{
+    const struct gp_sky_sphere *const o = s->sphere;
+    const int side = o->near + 1, pairs = (o->h + 1) / 2 * side;
+    size_t count = 0;
+    t->s = s;
+    gp_status st =
+        gp_alloc(log, "kernel", (size_t) pairs, sizeof *t->pair, &t->pair);
+    for (int i = 0; i < pairs && !st; i++) {
+        const int row = i / side, y = row + i % side;
+        t->pair[i] =
+            (struct gp_sky_arc) {y < o->h ? reach_of(s, row, y) : -1, count};
+        count += (size_t) (t->pair[i].reach + 1);
+    }
+    if (!st)
+        st = gp_alloc(log, "kernel", count, sizeof *t->v, &t->v);
+    if (!st)
+        gp_parallel_do(pairs, find_terms, t);
+    return st;
+}
+
+/* The light of the first term: what P has within its end, less the next level's. */
+static double first_light(const struct gp_sky *s)
+{
+    const struct gp_gauss *const g = gp_gauss_rule(16);
+    const double a = scale_of(s, 1);
+    double sum = 0.0;
+    gp_curve_add(&s->within, a, 1.0, &sum);
+    for (int k = 0; k < g->n; k++)
+        sum -= M_PI * a * g->weight[k] *
+               gp_sky_soft(&s->light, a, a * (0.5 + g->node[k]));
+    return sum;
+}
+
+/* Fills the weights of a row. What stays in its pixels is what no other pixel gets;
+ * around the poles, whose pixels are slivers of which that is next to nothing, terms along
+ * the row take the difference. */
+static void weigh_row(void *ctx, int row, int thread)
+{
+    const struct terms *const t = ctx;
+    const struct gp_sky *const s = t->s;
+    const struct gp_sky_sphere *const o = s->sphere;
+    double left = first_light(s), along = 0.0;
+    (void) thread;
+    for (int k = -o->near; k <= o->near; k++) {
+        const struct gp_sky_arc *const a =
+            &o->arc[row * (2 * o->near + 1) + k + o->near];
+        const int y = row + k;
+        int reach;
+        if (y < 0 || y >= o->h)
+            continue;
+        const float *const v =
+            terms_of(t, k < 0 ? y : row, k < 0 ? -k : k, &reach);
+        const double solid = gp_projection_solid(&s->p.projection, 0.0, y);
+        for (int x = 0; x <= reach; x++) {
+            const double share = solid * (double) v[x];
+            const double both = x && 2 * x < o->w ? 2.0 * share : share;
+            left -= both;
+            along += k ? 0.0 : both;
+            if (a->reach >= 0) {
+                o->weight[a->at + (size_t) x] = (float) share;
+                o->weight[a->at - (size_t) x] = (float) share;
+            }
+        }
+    }
+    if (row < o->level[0].n) {
+        const double at[2] = {0.0, row};
+        const double own = gp_projection_solid(&s->p.projection, 0.0, row) *
+                           (close_mean(s, at, at) - soft_mean(s, at, at));
+        if (left < 0.5 * own) {
+            o->even[row] = o->even[o->h - 1 - row] = 1.0 + (left - own) / along;
+            left = own;
+        }
+    }
+    o->own[row] = left + s->light.stays;
+    o->own[o->h - 1 - row] = o->own[row];
+}
+
+/* Weights of rows, but for those around the poles. */
+static gp_status make_arcs(const struct gp_log *log, struct gp_sky *s,
+                           struct terms *t)
+{
+    struct gp_sky_sphere *const o = s->sphere;
+    const int rows = (o->h + 1) / 2, side = 2 * o->near + 1;
+    size_t count = 0;
+    gp_status st;
+    GP_TRY(gp_alloc(log, "kernel", (size_t) rows * (size_t) side,
+                    sizeof *o->arc, &o->arc));
+    GP_TRY(gp_alloc(log, "kernel", (size_t) o->h, sizeof *o->own, &o->own));
+    GP_TRY(gp_alloc(log, "kernel", (size_t) o->h, sizeof *o->even, &o->even));
+    for (int y = 0; y < o->h; y++)
+        o->even[y] = 1.0;
+    GP_TRY(make_terms(log, s, t));
+    for (int i = 0; i < rows * side; i++) {
+        const int row = i / side, k = i % side - o->near, y = row + k;
+        int reach = -1;
+        if (row >= o->level[0].n && y >= 0)
+            (void) terms_of(t, k < 0 ? y : row, k < 0 ? -k : k, &reach);
+        const size_t half = (size_t) gp_max(reach, 0);
+        o->arc[i] = (struct gp_sky_arc) {reach, count + half};
+        count += reach < 0 ? 0 : 2 * half + 1;
+        o->margin = gp_max(o->margin, reach);
+    }
+    GP_TRY(gp_alloc(log, "kernel", count, sizeof *o->weight, &o->weight));
+    gp_parallel_do(rows, weigh_row, t);
+out:
+    return st;
+}
+
 // -- coefficients ----------------------------------------------------------------
 
 struct tabling {
     const struct gp_sky *s;
+    const struct terms *terms;
     struct gp_sky_circles *of;
     int level, width; // points around a circle
     double step;      // rows
     size_t first;     // pair
 };
+
+/* The first terms of rows i and i + down around a pole, on both halves of z. */
+static void load_rows(const struct tabling *t, int i, int down, float *z)
+{
+    int reach;
+    const float *const v = terms_of(t->terms, i, down, &reach);
+    const float by = down ? 1.0f : (float) t->s->sphere->even[i];
+    for (int x = 0; x <= reach; x++)
+        z[x] = z[(t->width - x) % t->width] = by * v[x];
+}
 
 /* The terms of a pair of circles, around both: they are even, and end. */
 static void load_pair(const void *ctx, int c, int j, float *z)
@@ -130,25 +293,21 @@ static void load_pair(const void *ctx, int c, int j, float *z)
     const struct tabling *const t = ctx;
     const struct gp_sky *const s = t->s;
     const size_t pair = t->first + (size_t) j, row = (size_t) t->of->reach + 1;
-    const int i = (int) (pair / row), k = i + (int) (pair % row);
-    const double first = t->level ? -0.5 : 0.0;
-    const double at[2] = {0.0, first + i * t->step};
+    const int i = (int) (pair / row), down = (int) (pair % row);
+    const double at[2] = {0.0, i * t->step - 0.5};
     const bool last = t->level == s->sphere->levels - 1;
     (void) c;
-    if (t->level ? i + k > t->of->n : k >= s->sphere->h)
+    if (!t->level) {
+        load_rows(t, i, down, z);
         return;
-    for (int q = 0; 2 * q <= t->width; q++) {
+    }
+    for (int q = 0; 2 * q <= t->width && 2 * i + down <= t->of->n; q++) {
         const double from[2] = {(double) q * s->sphere->w / t->width,
-                                first + k * t->step};
-        double v = 0.0;
-        if (t->level)
-            v = gp_sky_term(s, t->level, last, at, from, side_of(s));
-        else
-            v = first_term(s, at, from);
+                                at[1] + down * t->step};
+        const double v = gp_sky_term(s, t->level, last, at, from, side_of(s));
         if (v == 0.0 && q)
             break;
-        z[q] = (float) v;
-        z[(t->width - q) % t->width] = z[q];
+        z[q] = z[(t->width - q) % t->width] = (float) v;
     }
 }
 
@@ -183,11 +342,12 @@ static int count_blocks(const struct gp_fft_matrix *m)
     return last + 1;
 }
 
-static gp_status make_circles(const struct gp_log *log, struct gp_sky *s, int l,
+static gp_status make_circles(const struct gp_log *log, const struct gp_sky *s,
+                              const struct terms *terms, int l,
                               struct gp_sky_circles *of)
 {
     enum { CHUNK = 512 };
-    struct tabling t = {.s = s, .of = of, .level = l};
+    struct tabling t = {.s = s, .terms = terms, .of = of, .level = l};
     struct gp_transform x = {0};
     struct gp_fft_matrix m = {0};
     gp_status st;
@@ -254,101 +414,6 @@ static void lay_levels(struct gp_sky *s)
     s->levels = o->levels;
 }
 
-// -- the first term -----------------------------------------------------------------
-
-/* Finds how far the first term reaches along a row. */
-static int reach_of(const struct gp_sky *s, int row, int from)
-{
-    int reach = -1;
-    while (2 * (reach + 1) <= s->sphere->w &&
-           !is_over(s, gp_projection_chord2(&s->p.projection, 0.0, row,
-                                            reach + 1.0, from)))
-        reach++;
-    return reach;
-}
-
-/* The light of the first term: what P has within its end, less the next level's. */
-static double first_light(const struct gp_sky *s)
-{
-    const struct gp_gauss *const g = gp_gauss_rule(16);
-    const double a = scale_of(s, 1);
-    double sum = 0.0;
-    gp_curve_add(&s->within, a, 1.0, &sum);
-    for (int k = 0; k < g->n; k++)
-        sum -= M_PI * a * g->weight[k] *
-               gp_sky_soft(&s->light, a, a * (0.5 + g->node[k]));
-    return sum;
-}
-
-/* Fills the weights of a row. What stays in its pixels is what no other pixel gets;
- * around the poles, whose pixels are slivers of which that is next to nothing, terms along
- * the row take the difference. */
-static void weigh_row(void *ctx, int row, int thread)
-{
-    const struct gp_sky *const s = ctx;
-    const struct gp_sky_sphere *const o = s->sphere;
-    const double at[2] = {0.0, row};
-    double left = first_light(s), along = 0.0;
-    (void) thread;
-    o->even[row] = o->even[o->h - 1 - row] = 1.0;
-    for (int k = 0; k <= 2 * o->near; k++) {
-        const struct gp_sky_arc *const a = &o->arc[row * (2 * o->near + 1) + k];
-        const int y = row + k - o->near;
-        const double solid =
-            y < 0 || y >= o->h ? 0.0
-                               : gp_projection_solid(&s->p.projection, 0.0, y);
-        const int reach = solid > 0.0 ? reach_of(s, row, y) : -1;
-        for (int x = y == row ? 1 : 0; x <= reach; x++) {
-            const double from[2] = {x, y};
-            const double v = solid * first_term(s, at, from);
-            left -= x && 2 * x < o->w ? 2.0 * v : v;
-            along += y != row ? 0.0 : 2 * x < o->w ? 2.0 * v : v;
-            if (a->reach >= 0) {
-                o->weight[a->at + (size_t) x] = (float) v;
-                o->weight[a->at - (size_t) x] = (float) v;
-            }
-        }
-        if (y == row && a->reach >= 0)
-            o->weight[a->at] = 0.0f;
-    }
-    if (row < o->level[0].n) {
-        const double own = gp_projection_solid(&s->p.projection, 0.0, row) *
-                           (close_mean(s, at, at) - soft_mean(s, at, at));
-        if (left < 0.5 * own) {
-            o->even[row] = o->even[o->h - 1 - row] = 1.0 + (left - own) / along;
-            left = own;
-        }
-    }
-    o->own[row] = left + s->light.stays;
-    o->own[o->h - 1 - row] = o->own[row];
-}
-
-/* Weights of rows, but for those around the poles. */
-static gp_status make_arcs(const struct gp_log *log, struct gp_sky *s)
-{
-    struct gp_sky_sphere *const o = s->sphere;
-    const int rows = (o->h + 1) / 2, side = 2 * o->near + 1;
-    size_t count = 0;
-    gp_status st;
-    GP_TRY(gp_alloc(log, "kernel", (size_t) rows * (size_t) side,
-                    sizeof *o->arc, &o->arc));
-    GP_TRY(gp_alloc(log, "kernel", (size_t) o->h, sizeof *o->own, &o->own));
-    GP_TRY(gp_alloc(log, "kernel", (size_t) o->h, sizeof *o->even, &o->even));
-    for (int i = 0; i < rows * side; i++) {
-        const int row = i / side, y = row + i % side - o->near;
-        const bool none = row < o->level[0].n || y < 0 || y >= o->h;
-        const int reach = none ? -1 : reach_of(s, row, y);
-        const size_t half = (size_t) gp_max(reach, 0);
-        o->arc[i] = (struct gp_sky_arc) {reach, count + half};
-        count += reach < 0 ? 0 : 2 * half + 1;
-        o->margin = gp_max(o->margin, reach);
-    }
-    GP_TRY(gp_alloc(log, "kernel", count, sizeof *o->weight, &o->weight));
-    gp_parallel_do(rows, weigh_row, s);
-out:
-    return st;
-}
-
 // -- all of it -----------------------------------------------------------------------
 
 static gp_status place_rows(const struct gp_log *log, struct gp_sky_sphere *o)
@@ -392,6 +457,7 @@ gp_status gp_sky_sphere_make(const struct gp_log *log, struct gp_sky *s)
 {
     static const double SHORT = 0.25; // of the equator, rows around a pole
     struct gp_sky_sphere *o = NULL, found;
+    struct terms terms = {0};
     gp_status st = GP_OK;
     if (!find_sphere(s, &found))
         return GP_OK;
@@ -411,10 +477,12 @@ gp_status gp_sky_sphere_make(const struct gp_log *log, struct gp_sky *s)
     lay_levels(s);
     GP_TRY(gp_float_transform_make(log, o->w, &o->around));
     GP_TRY(place_rows(log, o));
-    GP_TRY(make_arcs(log, s));
+    GP_TRY(make_arcs(log, s, &terms));
     for (int l = 0; l < o->levels; l++)
-        GP_TRY(make_circles(log, s, l, &o->level[l]));
+        GP_TRY(make_circles(log, s, &terms, l, &o->level[l]));
 out:
+    gp_free(terms.pair);
+    gp_free(terms.v);
     if (st)
         gp_sky_sphere_free(&s->sphere);
     return st;
