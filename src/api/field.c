@@ -22,6 +22,20 @@ static int projection_of(const struct glarepp_frame *f)
                : GLAREPP_PERSPECTIVE;
 }
 
+static const enum gp_projecting KIND[] = {GP_PLANE, GP_PERSPECTIVE, GP_LATLONG,
+                                          GP_FISHEYE, GP_EQUISOLID};
+
+struct gp_projection gp_api_wide(const struct glarepp_frame *f)
+{
+    const int kind = projection_of(f);
+    const struct gp_field field = gp_field_of(&f->image, 180.0);
+    const bool given = kind != GLAREPP_LATLONG && f->plan->fov > 0.0;
+    return kind > GLAREPP_PERSPECTIVE
+               ? gp_projection_of(KIND[kind], f->image.display, field.aspect,
+                                  given ? f->plan->fov : 180.0)
+               : (struct gp_projection) {0};
+}
+
 bool gp_api_is_round(const struct glarepp_frame *f)
 {
     return projection_of(f) == GLAREPP_LATLONG;
@@ -45,8 +59,6 @@ struct gp_field gp_api_field(struct glarepp_frame *f)
     const struct gp_kernel_request *const r = f->plan->kernel->request;
     static const char *const NAME[] = {"plane", "perspective", "latlong",
                                        "fisheye", "equisolid"};
-    static const enum gp_projecting KIND[] = {
-        GP_PLANE, GP_PERSPECTIVE, GP_LATLONG, GP_FISHEYE, GP_EQUISOLID};
     const int kind = projection_of(f);
     double fov = gp_api_camera_fov(f);
     facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
@@ -68,8 +80,8 @@ struct gp_field gp_api_field(struct glarepp_frame *f)
     facts->projection = NAME[kind];
     if (kind != GLAREPP_PLANE) {
         const struct gp_rect *const data = &f->image.data;
-        struct gp_projection p;
-        if (kind != GLAREPP_PERSPECTIVE || !gp_api_camera(f, &p))
+        struct gp_projection p = gp_api_wide(f);
+        if (kind == GLAREPP_PERSPECTIVE && !gp_api_camera(f, &p))
             p = gp_projection_of(KIND[kind], f->image.display, field.aspect,
                                  fov);
         field.degrees = fmin(p.dy * (180.0 / M_PI), 180.0); // in its middle

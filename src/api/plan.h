@@ -255,6 +255,9 @@ bool gp_api_is_round(const struct glarepp_frame *f);
 /* Errors: USAGE a frame that no lens has drawn, for ghosts and flares. */
 GP_MUST_CHECK gp_status gp_api_has_axis(const struct glarepp_frame *f);
 
+/* The projection of a LATLONG or fisheye, in EXR pixel space; PLANE: the frame is none. */
+struct gp_projection gp_api_wide(const struct glarepp_frame *f);
+
 /* Finds the projection of that camera; false: the angle of view is not a camera's. */
 bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);
 

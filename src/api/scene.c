@@ -196,12 +196,13 @@ static gp_status find_camera(struct glarepp_frame *f)
     struct gp_api_scene *const own = f->work->scene;
     struct gp_scene *const s = &own->scene;
     const struct gp_rect display = f->image.display;
+    struct gp_suns *const suns = &f->work->lights->suns;
     struct gp_camera theirs;
     char names[512];
     gp_status st;
-    GP_TRY(gp_suns_camera(&f->log, &f->work->lights->suns, &f->p, &f->image,
-                          &own->frame_camera, &own->has_camera));
-    if (!own->settled && own->has_camera)
+    GP_TRY(gp_suns_camera(&f->log, suns, &f->p, &f->image, &own->frame_camera,
+                          &own->has_camera));
+    if (!own->settled && own->has_camera && !suns->wide.kind)
         gp_scene_turn(s, gp_scene_find_up(s, &own->frame_camera));
     own->settled = own->settled || own->has_camera;
     if (own->camera < 0 && !own->has_camera && s->cameras) {
@@ -217,6 +218,13 @@ static gp_status find_camera(struct glarepp_frame *f)
                           (double) f->image.pixel_aspect /
                           (double) gp_max(gp_rect_h(display), 1);
     GP_TRY(gp_scene_camera_make(&f->log, s, c, aspect, &theirs));
+    if (suns->wide.kind && !f->p.has_camera) {
+        f->facts.scene.camera = c->name;
+        return gp_camera_wide(&f->log, f->plan->scene.path, theirs.to_camera,
+                              &suns->wide, &own->frame_camera);
+    }
+    if (suns->wide.kind)
+        return GP_OK;
     if (own->has_camera) {
         compare_cameras(f, c->name, &theirs);
     } else {
@@ -241,6 +249,10 @@ static gp_status check_relight(const struct glarepp_frame *f)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.has_ndc", "%s: "
                           "relighting needs a camera, and neither the frame nor "
                           "the scene has one", f->sink.name);
+    if (own->frame_camera.wide.kind)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "plan.projection.relight",
+                          "%s: relighting needs a perspective frame",
+                          f->sink.name);
     if (f->plan->sun.depth != GLAREPP_Z)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.depth", "relighting "
                           "needs distances along the view axis");

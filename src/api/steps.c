@@ -385,12 +385,21 @@ static struct glarepp_rect reach_of(const struct gp_api_plan_kernel *k,
     };
 }
 
+/* Lends work to a frame that has none, and tells it what frame that is. */
+static gp_status lend(struct glarepp_frame *f)
+{
+    const gp_status st = f->work ? GP_OK : gp_api_lend(f->plan, &f->work);
+    if (!st && f->work->lights)
+        f->work->lights->suns.wide = gp_api_wide(f);
+    return st;
+}
+
 struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
 {
     struct glarepp *const outer = gp_api_begin(f->plan->gp);
     struct gp_field field = {.aspect = 1.0}; // where memory is full
     struct glarepp_rect all = {0};
-    if (f->work || gp_api_lend(f->plan, &f->work) == GP_OK)
+    if (lend(f) == GP_OK)
         field = gp_api_field(f);
     for (int i = 0; i <= f->plan->mores; i++) {
         const struct glarepp_rect one = reach_of(&f->plan->kernel[i], &field);
@@ -596,7 +605,7 @@ static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
 {
     const bool idle =
         step == GLAREPP_TONE || step == GLAREPP_DONE || step == GLAREPP_VERIFY;
-    return f->work || idle ? GP_OK : gp_api_lend(f->plan, &f->work);
+    return idle ? GP_OK : lend(f);
 }
 
 int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)

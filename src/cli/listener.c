@@ -70,6 +70,7 @@ static const struct hint hints[] = {
     HINT("plan.fov.wide", "give --projection fisheye or equisolid")
     HINT("plan.projection", "use another --engine, or --projection plane")
     HINT("plan.projection.axis", "leave --flare and --lens out")
+    HINT("plan.projection.relight", "leave --relight out")
     HINT("plan.rotate", "use --rotate 0, 90, 180 or 270")
     HINT("scene.camera", "give one of them to --scene-camera")
     HINT("scene.camera_normals", "give --scene-up or --normal-space")

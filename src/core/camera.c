@@ -55,12 +55,54 @@ static gp_status check_finite(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
+/* Takes worldToCamera. */
+static gp_status set_camera(const struct gp_log *log, const char *path,
+                            const double *m, struct gp_camera *c)
+{
+    const gp_status st = check_finite(log, path, "worldToCamera", m);
+    const double most = largest(m, 16);
+    if (st)
+        return st;
+    if (most > 1e30 ||
+        !spans(gp_column(m, 0), gp_column(m, 1), gp_column(m, 2)))
+        return gp_fail_at(log, GP_ERR_DATA, "lights.cameras",
+                          "%s: worldToCamera is singular (its largest entry "
+                          "is %g); repair the header",
+                          path, most);
+    c->has_camera = true;
+    memcpy(c->to_camera, m, sizeof c->to_camera);
+    return GP_OK;
+}
+
+gp_status gp_camera_wide(const struct gp_log *log, const char *path,
+                         const double *to_camera,
+                         const struct gp_projection *wide,
+                         struct gp_camera *out)
+{
+    const double left = wide->kind == GP_LATLONG ? -1.0 : 1.0;
+    const double plain[16] = {left, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
+                              0.0,  0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+    struct gp_camera c = {.wide = *wide};
+    const gp_status st =
+        set_camera(log, path, to_camera ? to_camera : plain, &c);
+    const double *const m = c.to_camera;
+    if (st)
+        return st;
+    if (to_camera &&
+        gp_v3_det(gp_column(m, 0), gp_column(m, 1), gp_column(m, 2)) > 0.0) {
+        for (int i = 2; i < 16; i += 4)
+            c.to_camera[i] = -m[i];
+    }
+    *out = c;
+    return GP_OK;
+}
+
 gp_status gp_camera_make(const struct gp_log *log, const char *path,
                          const double *to_camera, const double to_ndc[16],
                          enum gp_ndc ndc, struct gp_camera *out)
 {
     gp_status st;
-    struct gp_camera c = {.has_camera = to_camera != NULL};
+    struct gp_camera c = {0};
     GP_TRY(check_finite(log, path, "worldToNDC", to_ndc));
 
     // a projection keeps its meaning when all of it is scaled: here so that
@@ -109,18 +151,8 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
         m[0] = 0.5 * (m[3] + m[0]);
         m[1] = 0.5 * (m[3] - m[1]);
     }
-    if (to_camera) {
-        GP_TRY(check_finite(log, path, "worldToCamera", to_camera));
-        const double most = largest(to_camera, 16);
-        if (most > 1e30 ||
-            !spans(gp_column(to_camera, 0), gp_column(to_camera, 1),
-                   gp_column(to_camera, 2)))
-            return gp_fail_at(
-                log, GP_ERR_DATA, "lights.cameras",
-                "%s: worldToCamera is singular (its largest entry is %g); "
-                "repair the header", path, most);
-        memcpy(c.to_camera, to_camera, sizeof c.to_camera);
-    }
+    if (to_camera)
+        GP_TRY(set_camera(log, path, to_camera, &c));
     *out = c;
 out:
     return st;
@@ -128,13 +160,12 @@ out:
 
 // -- projecting --------------------------------------------------------------
 
-/* Solves p . (gradients of x, y, w) = x, y, w by Cramer's rule. */
-static struct gp_v3 solve(const struct gp_camera *c, double x, double y,
+/* Solves p . (gradients of three columns) = x, y, w by Cramer's rule. */
+static struct gp_v3 solve(const double m[16], int column, double x, double y,
                           double w)
 {
-    const double *const m = c->to_ndc;
     const struct gp_v3 a = gp_column(m, 0), b = gp_column(m, 1),
-                       v = gp_column(m, 3);
+                       v = gp_column(m, column);
     const struct gp_v3 bv = gp_v3_cross(b, v), va = gp_v3_cross(v, a),
                        ab = gp_v3_cross(a, b);
     const double d = gp_v3_dot(a, bv);
@@ -148,12 +179,14 @@ struct gp_v3 gp_camera_point(const struct gp_camera *c, double x, double y,
                              double w)
 {
     const double *const m = c->to_ndc;
-    return solve(c, x * w - m[12], y * w - m[13], w - m[15]);
+    return solve(m, 3, x * w - m[12], y * w - m[13], w - m[15]);
 }
 
 struct gp_v3 gp_camera_eye(const struct gp_camera *c)
 {
-    return gp_camera_point(c, 0.0, 0.0, 0.0);
+    const double *const m = c->to_camera;
+    return c->wide.kind ? solve(m, 2, -m[12], -m[13], -m[14])
+                        : gp_camera_point(c, 0.0, 0.0, 0.0);
 }
 
 struct gp_v3 gp_camera_ray(const struct gp_camera *c, struct gp_rect display,
@@ -161,8 +194,27 @@ struct gp_v3 gp_camera_ray(const struct gp_camera *c, struct gp_rect display,
 {
     const double w = (double) display.x1 - display.x0;
     const double h = (double) display.y1 - display.y0;
+    if (c->wide.kind) {
+        const struct gp_v3 to = gp_projection_direction(&c->wide, x, y);
+        return gp_v3_unit(solve(c->to_camera, 2, to.x, -to.y, to.z));
+    }
     return gp_v3_unit(
-        solve(c, (x - display.x0) / w, (y - display.y0) / h, 1.0));
+        solve(c->to_ndc, 3, (x - display.x0) / w, (y - display.y0) / h, 1.0));
+}
+
+/* gp_camera_project() of a wide picture. */
+static struct gp_projected project_wide(const struct gp_camera *c,
+                                        struct gp_v3 p, double w)
+{
+    const double *const m = c->to_camera;
+    const struct gp_v3 to = {gp_v3_dot(p, gp_column(m, 0)) + w * m[12],
+                             -gp_v3_dot(p, gp_column(m, 1)) - w * m[13],
+                             gp_v3_dot(p, gp_column(m, 2)) + w * m[14]};
+    double at[2];
+    if (!(gp_v3_length(to) > 0.0) || !gp_projection_place(&c->wide, to, at))
+        return (struct gp_projected) {.behind = true};
+    const double ray = w != 0.0 ? gp_v3_length(to) : INFINITY;
+    return (struct gp_projected) {at[0], at[1], ray, ray, false};
 }
 
 struct gp_projected gp_camera_project(const struct gp_camera *c,
@@ -175,6 +227,8 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
     const double scale = w == 0.0 ? largest(world, 3) : 1.0;
     const struct gp_v3 p = {world[0] / scale, world[1] / scale,
                             world[2] / scale};
+    if (c->wide.kind)
+        return project_wide(c, p, w);
     const double pw = gp_v3_dot(p, gp_column(m, 3)) + w * m[15];
     if (!(pw > 0.0))
         return behind;
@@ -205,6 +259,14 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
     return at;
 }
 
+double gp_camera_disc_wide(const struct gp_camera *c, double y, double degrees)
+{
+    const double v = (y - c->wide.y0) * c->wide.dy;
+    return c->wide.kind == GP_LATLONG
+               ? 1.0 / fmax(fmax(gp_cos(v), degrees / 360.0), 1e-9)
+               : 1.0;
+}
+
 /* The cone of half-angle a around a ray at angle t off the axis of a pinhole of
  * distance 1 cuts an ellipse with the half-axes
  *   sin a cos a / (cos^2 t - sin^2 a)  and  sin a / sqrt(cos^2 t - sin^2 a),
@@ -219,6 +281,17 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
     const double t =
         gp_atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
     const double a = degrees * (M_PI / 360.0);
+    if (c->wide.kind) {
+        const struct gp_projected at = gp_camera_project(c, display, dir, 0.0);
+        const double solid = c->wide.kind == GP_LATLONG
+                                 ? c->wide.dx * c->wide.dy /
+                                       gp_camera_disc_wide(c, at.y, degrees)
+                                 : gp_projection_solid(&c->wide, at.x, at.y);
+        // the cap's solid angle is 4 pi sin^2(a / 2)
+        return at.behind
+                   ? 0.0
+                   : fmin(2.0 * gp_sin(0.5 * a) / sqrt(solid), MOST_RADIUS);
+    }
     if (!(a >= 0.0 && t + a < M_PI / 2.0))
         return 0.0;
     const double det = gp_v3_det(gp_column(m, 0), gp_column(m, 1), axis);
@@ -237,7 +310,8 @@ double gp_camera_disc_degrees(const struct gp_camera *c, struct gp_rect display,
     const struct gp_v3 axis = gp_column(c->to_ndc, 3);
     const double t =
         gp_atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
-    double lo = 0.0, hi = (M_PI / 2.0 - t) * (360.0 / M_PI);
+    double lo = 0.0;
+    double hi = c->wide.kind ? 180.0 : (M_PI / 2.0 - t) * (360.0 / M_PI);
     // the radius grows with the angle
     while (hi - lo > 1e-9) {
         const double middle = 0.5 * (lo + hi);

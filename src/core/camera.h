@@ -34,10 +34,11 @@ enum gp_ndc {
  * (x, y, z, 1), a direction (x, y, z, 0). to_ndc is always GP_NDC_SPEC after
  * gp_camera_make(): (x, y) / w in [0, 1], y down; w > 0 before the camera, and
  * scaled so that w is the distance along the view axis in units of the world.
- */
+ * A camera whose pictures are of another projection has that instead of to_ndc. */
 struct gp_camera {
     bool has_camera;     // to_camera is known: its scale is that of z and ray
     double to_camera[16], to_ndc[16];
+    struct gp_projection wide; // PLANE: none
 };
 
 /* A camera from a frame's matrices. The view axis v is the direction in which
@@ -54,13 +55,25 @@ GP_MUST_CHECK gp_status gp_camera_make(
     const struct gp_log *log, const char *path, const double *to_camera,
     const double to_ndc[16], enum gp_ndc ndc, struct gp_camera *out);
 
+/* The camera of a LATLONG or fisheye. Its space is OpenEXR's, x right, y up, z along the
+ * view; where that is right-handed, z is against the view. Without to_camera the world is
+ * that space, and for a LATLONG that of OpenEXR's environments: y up, z in the middle of
+ * the picture, x a quarter of a turn to the left. Errors: as above. */
+GP_MUST_CHECK gp_status gp_camera_wide(const struct gp_log *log,
+                                       const char *path,
+                                       const double *to_camera,
+                                       const struct gp_projection *wide,
+                                       struct gp_camera *out);
+
 /* Projects a point (w = 1) or direction (w = 0) of the world. */
 struct gp_projected {
     double x, y;     // EXR pixel space: NDC 0 to 1 spans the display window
-    double z, ray;   // distance along the view axis and from the camera, scene
-                     // units; INFINITY for a direction
-    bool behind;     // the camera, or beside it: w <= 0, or more than 1e9
-                     // pixels away; the rest is 0
+    double z,
+        ray;     // distance along the view axis (of a wide picture the same as
+                 // `ray`) and from the camera, scene units; INFINITY for a
+                 // direction
+    bool behind; // the camera, or beside it: w <= 0, or more than 1e9
+                 // pixels away, or beyond a rim; the rest is 0
 };
 struct gp_projected gp_camera_project(const struct gp_camera *c,
     struct gp_rect display, const double world[3], double w);
@@ -69,9 +82,14 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
  * `dir`: the geometric mean of the half-axes of the ellipse that its
  * cone cuts from the picture, at most 1e6. It grows off the axis, about as
  * cos^-1.5. 0 when behind, or where the cone reaches beside the camera and the
- * cut is no ellipse. */
+ * cut is no ellipse. Of a wide picture, by the solid angle of its pixel there: around a
+ * pole of a LATLONG half of the width at most. */
 double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
                       const double dir[3], double degrees);
+
+/* Returns how many times as wide as high the disc `degrees` across around a place is: 1
+ * but in a LATLONG. */
+double gp_camera_disc_wide(const struct gp_camera *c, double y, double degrees);
 
 /* Returns the point of the world that (x, y) of the picture, NDC, shows at w
  * along the view axis. */

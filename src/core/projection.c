@@ -89,6 +89,30 @@ struct gp_v3 gp_projection_direction(const struct gp_projection *p, double x,
     return (struct gp_v3) {u * s, v * s, gp_cos(r)};
 }
 
+bool gp_projection_place(const struct gp_projection *p, struct gp_v3 to,
+                         double at[2])
+{
+    const double side = gp_hypot(to.x, to.y);
+    double u = to.x, v = to.y;
+    if (p->kind == GP_PERSPECTIVE) {
+        u /= to.z;
+        v /= to.z;
+    } else if (p->kind == GP_LATLONG) {
+        u = gp_atan2(to.x, to.z);
+        v = gp_atan2(to.y, gp_hypot(to.x, to.z));
+    } else {
+        const double t = gp_atan2(side, to.z);
+        const double r = p->kind == GP_EQUISOLID ? 2.0 * gp_sin(0.5 * t) : t;
+        u = side > 0.0 ? u * (r / side) : r; // behind, any
+        v = side > 0.0 ? v * (r / side) : 0.0;
+        if (p->rim > 0.0 && r > p->rim)
+            return false;
+    }
+    at[0] = p->x0 + u / p->dx;
+    at[1] = p->y0 + v / p->dy;
+    return p->kind != GP_PERSPECTIVE || to.z > 0.0;
+}
+
 struct gp_metric gp_projection_metric(const struct gp_projection *p, double x,
                                       double y)
 {

@@ -79,6 +79,11 @@ void gp_projection_span(const struct gp_projection *p, double x, double y,
 struct gp_v3 gp_projection_direction(const struct gp_projection *p, double x,
                                      double y);
 
+/* Finds the place at which a direction, not 0, of any length, shows; false: it has none.
+ * Of a LATLONG the one within half a turn. */
+bool gp_projection_place(const struct gp_projection *p, struct gp_v3 to,
+                         double at[2]);
+
 struct gp_metric gp_projection_metric(const struct gp_projection *p, double x,
                                       double y);
 

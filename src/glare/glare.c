@@ -496,6 +496,14 @@ void gp_glare_close(struct gp_glare *g)
 
 // -- a kernel spread over a disc: the layer of a frame that is the disc -------
 
+gp_status gp_kernel_add_beyond(const struct gp_log *log,
+                               const struct gp_kernel *k,
+                               const struct gp_source *source, size_t n, int w,
+                               int h, struct gp_planes *layer)
+{
+    return gp_sky_add_beyond(log, k->sky, source, n, w, h, layer);
+}
+
 gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     int reach, const float *weight, struct gp_spread_kernel *out)
 {

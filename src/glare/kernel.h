@@ -42,6 +42,7 @@ struct gp_unturned {
 
 struct gp_far_field; // glare/far_field/far_field.h
 struct gp_sky;       // glare/sky/sky.h
+struct gp_source;    // glare/sources.h
 
 /* The samples of a row of one channel that are not 0. */
 struct gp_lit_row {
@@ -116,11 +117,14 @@ GP_MUST_CHECK gp_status gp_kernel_of_planes(const struct gp_log *log,
 
 void gp_kernel_free(struct gp_kernel *k);
 
-/* The kernel of the same recipes and field on a PLANE. Written only on GP_OK. Errors:
- * those of gp_model_kernel(). */
-GP_MUST_CHECK gp_status gp_kernel_plane(const struct gp_log *log,
-                                        const struct gp_kernel *k,
-                                        struct gp_kernel *out);
+/* Adds to the layer of a frame of w x h pixels what n sources beside it, of which places
+ * count from its corner, light there by true angles; k->sky is not NULL. Errors:
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_kernel_add_beyond(const struct gp_log *log,
+                                             const struct gp_kernel *k,
+                                             const struct gp_source *source,
+                                             size_t n, int w, int h,
+                                             struct gp_planes *layer);
 
 /* A kernel spread over a light's disc: the layer of a disc of flux 1. */
 struct gp_spread_kernel {

@@ -225,6 +225,7 @@ static void see(const struct glarepp_light *spec, const struct gp_camera *c,
     l->sight.half = degrees * (M_PI / 360.0);
     if (sized)
         l->radius = gp_camera_disc(c, display, along, degrees);
+    l->wide = gp_camera_disc_wide(c, l->y, degrees);
 }
 
 gp_status gp_light_place_in(const struct gp_log *log, const char *path,

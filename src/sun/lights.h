@@ -9,6 +9,7 @@
 #include "core/status.h"
 #include "glarepp.h"
 
+#include <math.h>
 #include <stdbool.h>
 
 enum {
@@ -28,6 +29,8 @@ struct gp_light_sight {
 struct gp_light {
     double x, y;       // centre, EXR pixel space; y down
     double radius;     // pixels, >= 0
+    double wide;       // its disc's width over its height, >= 1, or 0: 1; the
+                       // radius is the geometric mean of both halves
     double depth;      // nearer surfaces hide it: in scene units as the depth
                        // channel counts them (along the view axis or along
                        // the ray; for normalized depth in its 0 to 1);
@@ -49,6 +52,13 @@ struct gp_light {
 };
 #define GP_LIGHT_DEFAULTS \
     { .radius = 0.5, .depth = INFINITY, .bias = 1e-3, .visibility = 1.0 }
+
+/* Its disc becomes a circle of the same area where x is divided by this, and y
+ * multiplied. */
+static inline double gp_light_stretch(const struct gp_light *l)
+{
+    return sqrt(fmax(l->wide, 1.0));
+}
 
 /* Returns true when it has flux: glare of its own, flare. */
 static inline bool gp_light_has_flux(const struct gp_light *l)

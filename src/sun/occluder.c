@@ -217,9 +217,17 @@ static double area_in(double cx, double cy, double r, double x0, double y0,
     return gp_mind(gp_maxd(0.5 * twice, 0.0), w * h);
 }
 
-double gp_disc_pixel_area(double cx, double cy, double r, int x, int y)
+/* The area of a light's disc of radius r in a rectangle. */
+static double light_area(const struct gp_light *l, double r, double x0,
+                         double y0, double x1, double y1)
 {
-    return area_in(cx, cy, r, x, y, (double) x + 1.0, (double) y + 1.0);
+    const double q = gp_light_stretch(l);
+    return area_in(l->x / q, l->y * q, r, x0 / q, y0 * q, x1 / q, y1 * q);
+}
+
+double gp_light_pixel_area(const struct gp_light *l, double r, int x, int y)
+{
+    return light_area(l, r, x, y, (double) x + 1.0, (double) y + 1.0);
 }
 
 /* A disc of no area has no share; one of 1e9 is larger than any frame, and has
@@ -279,14 +287,14 @@ static void bounds_of(const struct gp_occluders *o, const struct gp_light *l,
 static void add_rect(const struct gp_occluders *o, const struct gp_light *l,
     bool bounds, struct gp_rect rect, struct gp_rect done, struct sums *s)
 {
-    const double r = radius_of(l);
-    const int x0 = gp_clamp_whole(floor(l->x - r), rect.x0, rect.x1);
-    const int y0 = gp_clamp_whole(floor(l->y - r), rect.y0, rect.y1);
-    const int x1 = gp_clamp_whole(ceil(l->x + r), x0, rect.x1);
-    const int y1 = gp_clamp_whole(ceil(l->y + r), y0, rect.y1);
+    const double r = radius_of(l), q = gp_light_stretch(l);
+    const int x0 = gp_clamp_whole(floor(l->x - r * q), rect.x0, rect.x1);
+    const int y0 = gp_clamp_whole(floor(l->y - r / q), rect.y0, rect.y1);
+    const int x1 = gp_clamp_whole(ceil(l->x + r * q), x0, rect.x1);
+    const int y1 = gp_clamp_whole(ceil(l->y + r / q), y0, rect.y1);
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
-            const double area = gp_disc_pixel_area(l->x, l->y, r, x, y);
+            const double area = gp_light_pixel_area(l, r, x, y);
             double lo, hi;
             if (!(area > 0.0) || (x >= done.x0 && x < done.x1 && y >= done.y0 &&
                                   y < done.y1))
@@ -315,9 +323,9 @@ static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame,
                                           w.x1 + margin, w.y1 + margin}, frame);
 }
 
-/* Sums over the frame, whose pixels without samples are clear. */
-static struct sums sums_of(const struct gp_occluders *o,
-                           const struct gp_light *l, bool bounds)
+/* Adds up over the frame, whose pixels without samples are clear. */
+static void add_frame(const struct gp_occluders *o, const struct gp_light *l,
+                      bool bounds, struct sums *sum)
 {
     const struct gp_rect f = o->frame;
     struct sums s = {0};
@@ -326,12 +334,23 @@ static struct sums sums_of(const struct gp_occluders *o,
     add_rect(o, l, bounds, depth, (struct gp_rect) {0}, &s);
     add_rect(o, l, bounds, known_rect(o->mask, f, bounds), depth, &s);
     const double r = radius_of(l);
-    const double clear =
-        area_in(l->x, l->y, r, f.x0, f.y0, f.x1, f.y1) - s.area;
-    if (clear > rounding_of(r)) {
-        s.area += clear;
-        s.low += clear;
-        s.high += clear;
+    double clear = light_area(l, r, f.x0, f.y0, f.x1, f.y1) - s.area;
+    clear = clear > rounding_of(r) ? clear : 0.0;
+    sum->area += s.area + clear;
+    sum->low += s.low + clear;
+    sum->high += s.high + clear;
+}
+
+/* The same of a disc that goes on beyond the seam of a sphere, too. */
+static struct sums sums_of(const struct gp_occluders *o,
+                           const struct gp_light *l, bool bounds)
+{
+    const int around = o->around > 0.0 ? 1 : 0;
+    struct sums s = {0};
+    for (int turn = -around; turn <= around; turn++) {
+        struct gp_light at = *l;
+        at.x += turn * o->around;
+        add_frame(o, &at, bounds, &s);
     }
     return s;
 }

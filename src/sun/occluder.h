@@ -28,6 +28,8 @@ struct gp_occluders {
     struct gp_rect frame;        // pixels that may be hidden or clear:
                                  // display and data window together, or with
                                  // GLAREPP_BY_SCENE the data window as read
+    double around;               // pixels of a turn, of frames of a whole
+                                 // sphere; else 0
     // by gp_occluders_count(), of all depth samples
     struct gp_depth_range surfaces;
     bool reversed;  // sign or direction turned, see core/depth.h
@@ -75,8 +77,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
 void gp_sun_interval(const struct gp_occluders *o, enum glarepp_outside outside,
                      struct gp_light *light, int n);
 
-/* Area of the disc of radius r around (cx, cy) within pixel (x, y), in closed
- * form; 0 for r <= 0 and NaN. */
-double gp_disc_pixel_area(double cx, double cy, double r, int x, int y);
+/* Area of a light's disc, of radius r, within pixel (x, y), in closed form; 0 for r <= 0
+ * and NaN. */
+double gp_light_pixel_area(const struct gp_light *l, double r, int x, int y);
 
 #endif

@@ -44,6 +44,8 @@ struct gp_suns {
     int knowns;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
+    struct gp_projection wide;  // of a frame that no plain camera makes, set
+                                // before gp_suns_find(); PLANE: it is none
     double more_fov;            // degrees, of the scene's camera; 0: none
     bool warned_clear;          // warned that nothing hides the lights
     bool warned_window;         // warned that a plane does not cover the frame
@@ -103,6 +105,9 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
                                         struct gp_suns *suns);
 
+/* Pixels of a turn where the frame is a sphere, else 0. */
+double gp_suns_around(const struct gp_suns *suns);
+
 /* Returns true when a light has flux, of which gp_suns_draw() may add light;
  * `seen`: and is not hidden. */
 bool gp_suns_have_light(const struct gp_suns *suns, bool seen);
@@ -113,8 +118,8 @@ bool gp_suns_have_light(const struct gp_suns *suns, bool seen);
 void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
                      int offset[2]);
 
-/* Joins the sources and the visible light of those lights that go through the
- * engines: none that reaches beyond the frame. A light is the pixels of its
+/* Joins the sources and the visible light that lights have in the frame's pixels. A
+ * light is the pixels of its
  * disc, each with its share of flux * visibility, moved to its place by
  * bilinear shares, which keep flux and centroid. Without one *out stays as it
  * is. */
@@ -122,8 +127,7 @@ GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_image *f,
     const struct gp_sources *src, struct gp_sources *out);
 
-/* Adds the glare of lights that did not go through the engines to f->layer, which
- * is made. Errors: GP_ERR_DATA a radius over 1024 pixels;
+/* Adds the glare of light beyond the frame's pixels to f->layer, which is made. Errors: GP_ERR_DATA a radius over 1024 pixels;
  * those of gp_kernel_spread(). */
 GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
     struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_image *f);

@@ -103,6 +103,32 @@ done
 run --projection fisheye --report r.json --layer l.exr wide.exr
 is "$(field r.json 'o["fov_from"]')" projection '180 degrees without --fov'
 
+# -- suns ----------------------------------------------------------------------------
+
+run --projection latlong --sun-dir 1,0,0 --sun-color 1e4 --report r.json --layer a.exr same.exr
+status_is 0 'a sun of a lat-long needs no camera'
+is "$(field r.json '[o["lights"][0][k] for k in "xy"]')" '[50.0, 50.0]' \
+    'x is a quarter of a turn to the left, as OpenEXR has it'
+run --projection fisheye --sun-dir 0,0,-1 --sun-color 1e4 --report r.json --layer a.exr wide.exr
+is "$(field r.json 'o["lights"][0].get("behind")')" True 'beyond the rim'
+# a sun that leaves the frame: in it, on its border, beside it
+for x in 59 64 69; do
+    run --fov 90 -k eye --edges black -t 1e6 --sun-outside visible --sun $x,32,3 \
+        --sun-color 1e4 --layer $x.pfm in.exr
+done
+"$python" - 59.pfm 64.pfm 69.pfm <<'END'
+import struct, sys
+v = []
+for path in sys.argv[1:]:
+    with open(path, "rb") as f:
+        f.readline()
+        w, h = (int(n) for n in f.readline().split())
+        f.readline()
+        f.seek(12 * ((h - 1 - 32) * w + 15), 1)
+        v.append(struct.unpack("<3f", f.read(12))[1])
+sys.exit(not (0.6 < v[1] / v[0] < 0.7 and abs(v[1] * v[1] / v[0] / v[2] - 1) < 0.05))
+END
+result $? 'light does not jump where a sun leaves the frame'
 # -- hard angles ---------------------------------------------------------------------
 
 run --projection perspective --fov 0.001 --layer l.exr --report r.json in.exr

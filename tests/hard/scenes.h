@@ -42,8 +42,8 @@ static inline void hard_add_sun(const struct hard_case *h, double share,
     size_t n = 0;
     for (int y = box.y0; y < box.y1; y++) {
         for (int x = box.x0; x < box.x1; x++) {
-            const double part = share * gp_disc_pixel_area(l.x, l.y, r, x, y) /
-                                (M_PI * r * r);
+            const double part =
+                share * gp_light_pixel_area(&l, r, x, y) / (M_PI * r * r);
             struct gp_source *const e = &list[n++];
             *e = (struct gp_source) {.x = x - d.x0, .y = y - d.y0};
             for (int c = 0; c < 3; c++)

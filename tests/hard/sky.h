@@ -149,7 +149,7 @@ static inline double hard_plain_share(const struct hard_sky *s, int planes,
     double area = 0.0, shown = 0.0;
     for (int y = box.y0; y < box.y1; y++) {
         for (int x = box.x0; x < box.x1; x++) {
-            const double a = gp_disc_pixel_area(l->x, l->y, r, x, y);
+            const double a = gp_light_pixel_area(l, r, x, y);
             area += a;
             shown += a * hard_plain_show(s, planes, x, y);
         }

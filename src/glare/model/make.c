@@ -467,11 +467,3 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
     close_mixture(&m);
     return st;
 }
-
-gp_status gp_kernel_plane(const struct gp_log *log, const struct gp_kernel *k,
-                          struct gp_kernel *out)
-{
-    struct gp_field field = k->origin->field;
-    field.projection.kind = GP_PLANE;
-    return gp_model_kernel(log, k->origin->recipe, k->origin->n, &field, out);
-}

@@ -14,7 +14,7 @@ struct exact {
     double *layer;
 };
 
-/* The share of the light of a source that pixel `at` gets, other than its own. */
+/* The share of the light of a source that a pixel far from it gets. */
 static double share_of(const struct gp_sky *s, const double at[2],
                        const double from[2], double most)
 {
@@ -23,6 +23,34 @@ static double share_of(const struct gp_sky *s, const double at[2],
     return gp_projection_solid(p, from[0], from[1]) *
            gp_sky_mean(&s->light, p, 0.0, 0.0, gp_sky_order(sqrt(c) / most), at,
                        from);
+}
+
+/* Pixels around one within two of its longest sides, the longest pixel that levels
+ * serve being 16 times as long as wide. */
+enum { NEAR = 34, SIDE = 2 * NEAR + 1 };
+
+/* Those of pixel `at`; false: (dx, dy) is none of them, `most` its longest side. */
+static bool is_near(const struct gp_sky_ellipse *o, double c, int dx, int dy,
+                    int r[2])
+{
+    r[0] = gp_min((int) ceil(2.0 * o->most * o->x) + 1, NEAR);
+    r[1] = gp_min((int) ceil(2.0 * o->most * o->y) + 1, NEAR);
+    return c < 4.0 * o->most * o->most && abs(dx) <= r[0] && abs(dy) <= r[1];
+}
+
+double gp_sky_share(const struct gp_sky *s, const double at[2],
+                    const double from[2])
+{
+    const struct gp_projection *const p = &s->p.projection;
+    const struct gp_sky_ellipse o = gp_sky_ellipse_at(p, at[0], at[1]);
+    const double c = gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
+    const int dx = (int) (at[0] - from[0]), dy = (int) (at[1] - from[1]);
+    double near[SIDE * SIDE] = {0};
+    int r[2];
+    if (!is_near(&o, c, dx, dy, r))
+        return share_of(s, at, from, o.most);
+    gp_sky_rings(&s->light, p, at, r[0], r[1], near);
+    return near[(dy + r[1]) * (2 * r[0] + 1) + dx + r[0]];
 }
 
 /* The sums of a pixel of a sphere. */
@@ -50,10 +78,6 @@ static void sum_sphere(const struct gp_sky *s, const struct gp_sources *src,
     }
 }
 
-/* Pixels around one within two of its longest sides, the longest pixel that levels
- * serve being 16 times as long as wide. */
-enum { NEAR = 34, SIDE = 2 * NEAR + 1 };
-
 /* The sums of pixel (x, y); `near`: scratch of its rings. */
 static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
                       int x, int y, double near[SIDE * SIDE], double sum[3])
@@ -65,8 +89,6 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
         sum_sphere(s, src, x, y, sum);
         return;
     }
-    const int rx = gp_min((int) ceil(2.0 * o.most * o.x) + 1, NEAR);
-    const int ry = gp_min((int) ceil(2.0 * o.most * o.y) + 1, NEAR);
     bool known = false;
     for (int sy = 0; sy < src->h; sy++) {
         int span[2];
@@ -78,15 +100,16 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
             const int dx = x - src->x[i], dy = y - sy;
             const double c = gp_projection_chord2(p, x, y, from[0], sy);
             double share;
-            if (c >= 4.0 * o.most * o.most || abs(dx) > rx || abs(dy) > ry) {
+            int r[2];
+            if (!is_near(&o, c, dx, dy, r)) {
                 share = share_of(s, at, from, o.most);
             } else {
                 if (!known) {
                     memset(near, 0, SIDE * SIDE * sizeof *near);
-                    gp_sky_rings(&s->light, p, at, rx, ry, near);
+                    gp_sky_rings(&s->light, p, at, r[0], r[1], near);
                 }
                 known = true;
-                share = near[(dy + ry) * (2 * rx + 1) + dx + rx];
+                share = near[(dy + r[1]) * (2 * r[0] + 1) + dx + r[0]];
                 if (!dx && !dy)
                     share += s->light.stays - s->given;
             }

@@ -90,6 +90,16 @@ void gp_sky_own(const struct gp_sky *sky, int w, int h, int y, float *row);
 /* Leaves what is beyond a fisheye's rim dark, in a row of a layer. */
 void gp_sky_cut_row(const struct gp_sky *sky, int y, float *row);
 
+/* Adds to the layer of a frame of w x h pixels, in the middle of those that `sky` is for,
+ * the light of n sources beside it, of which places count from its corner. The farther a
+ * tile of pixels is, the larger are the groups of sources that count as one, so that a
+ * disc costs little more than a lamp. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sky_add_beyond(const struct gp_log *log,
+                                          const struct gp_sky *sky,
+                                          const struct gp_source *source,
+                                          size_t n, int w, int h,
+                                          struct gp_planes *layer);
+
 /* Adds the layer as it is defined, sample by sample in double, to 3 w h numbers that
  * are not NaN: those are left out. */
 void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,

@@ -73,6 +73,32 @@ static void metrics_are_those_of_directions(void **state)
     }
 }
 
+/* What a place shows is found there again; what is beyond a rim, or behind a pinhole,
+ * nowhere. */
+static void directions_have_places(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        const struct gp_projection p = of_case(i);
+        const struct gp_rect d = cases[i].display;
+        for (int k = 0; k < 100; k++) {
+            const double x = d.x0 + (k % 10 + 0.5) / 10.0 * (d.x1 - d.x0);
+            const double y = d.y0 + (k / 10 + 0.5) / 10.0 * (d.y1 - d.y0);
+            const struct gp_v3 to = gp_projection_direction(&p, x, y);
+            const double r = hypot((x - p.x0) * p.dx, (y - p.y0) * p.dy);
+            double at[2];
+            if (!is_seen(&p, x, y))
+                continue;
+            const bool shows =
+                gp_projection_place(&p, gp_v3_scale(to, 3.0), at);
+            assert_int_equal(shows, !(p.rim > 0.0) || r <= p.rim);
+            assert_true(!shows || hypot(at[0] - x, at[1] - y) < 1e-9);
+            assert_true(p.kind != GP_PERSPECTIVE ||
+                        !gp_projection_place(&p, gp_v3_scale(to, -1.0), at));
+        }
+    }
+}
+
 /* Of a sphere 4 pi; of a rectangle before a pinhole its closed form. */
 static void solid_angles_add_up(void **state)
 {
@@ -165,5 +191,6 @@ static void chords_are_those_of_angles(void **state)
 }
 
 SUITE_OF(projection, NULL, NULL, metrics_are_those_of_directions,
-         solid_angles_add_up, rows_of_solid_angles_are_the_same,
-         cameras_have_projections, chords_are_those_of_angles)
+         directions_have_places, solid_angles_add_up,
+         rows_of_solid_angles_are_the_same, cameras_have_projections,
+         chords_are_those_of_angles)

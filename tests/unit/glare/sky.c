@@ -283,6 +283,85 @@ static void hard_frames_are_served(void **state)
     }
 }
 
+/* A disc across the border of a frame: what is beside it, as in a wider frame. */
+static void light_comes_from_beside_the_frame(void **state)
+{
+    enum {
+        W = 60,
+        H = 40,
+        MORE = 50,
+        WIDE = W + 2 * MORE,
+        HIGH = H + 2 * MORE
+    };
+    static const struct {
+        enum gp_projecting kind;
+        double fov; // of the wider frame
+        int x, y, r;
+    } rows[] = {
+        {GP_PERSPECTIVE, 100, MORE, MORE + 20, 6},
+        {GP_PERSPECTIVE, 100, MORE - 3, MORE - 2, 1},
+        {GP_PERSPECTIVE, 60, MORE + W + 20, 10, 9},
+        {GP_FISHEYE, 200, MORE - 30, MORE + 30, 8},
+        {GP_EQUISOLID, 120, MORE + 30, MORE + H, 4},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct gp_sky_params wide =
+            sky_params("eye", rows[i].kind, WIDE, HIGH, rows[i].fov, 1e-3);
+        struct gp_sky_params p = wide;
+        p.w = W;
+        p.h = H;
+        p.projection.x0 -= MORE;
+        p.projection.y0 -= MORE;
+        struct gp_sky *const all = sky_of(&wide), *const sky = sky_of(&p);
+        const struct gp_sources like = {.w = WIDE, .h = HIGH};
+        struct gp_source list[400];
+        struct gp_sources none, src;
+        struct gp_planes got;
+        size_t n = 0;
+        for (int q = 0; q < 400; q++) {
+            const int x = rows[i].x + q % 20 - 10, y = rows[i].y + q / 20 - 10;
+            const int in_x = x - MORE, in_y = y - MORE;
+            const bool in = in_x >= 0 && in_x < W && in_y >= 0 && in_y < H;
+            if (!in && hypot(x - rows[i].x, y - rows[i].y) <= rows[i].r)
+                list[n++] = (struct gp_source) {x, y, {1.0f + (float) x, 2, 3}};
+        }
+        assert_ok(gp_sources_make(NULL, &like, 0, &none));
+        gp_sources_finish(&none);
+        assert_ok(gp_sources_join(NULL, &none, list, n, &src));
+        double *const want = sky_exact(all, &src);
+        assert_ok(gp_planes_make(NULL, "layer", (size_t) (W * H), &got));
+        for (int c = 0; c < 3; c++)
+            memset(got.c[c], 0, W * H * sizeof(float));
+        for (size_t k = 0; k < n; k++) {
+            list[k].x -= MORE;
+            list[k].y -= MORE;
+        }
+        assert_ok(gp_sky_add_beyond(NULL, sky, list, n, W, H, &got));
+        double square = 0.0, norm = 0.0, most = 0.0;
+        for (int k = 0; k < 3 * W * H; k++) {
+            const int c = k / (W * H), x = k % W, y = k / W % H;
+            const double v =
+                want[((size_t) c * HIGH + (size_t) (y + MORE)) * WIDE +
+                     (size_t) (x + MORE)];
+            const double d = (double) got.c[c][y * W + x] - v;
+            square += d * d;
+            norm += v * v;
+            most = fmax(most, fabs(d) / v);
+        }
+        print_message("# row %zu: rel_l2 %.1e, at most %.1e\n", i,
+                      sqrt(square / norm), most);
+        assert_true(sqrt(square / norm) < 1e-3);
+        assert_true(most < 5e-3);
+        gp_planes_free(&got);
+        gp_sources_free(&none);
+        gp_sources_free(&src);
+        free(want);
+        gp_sky_free((struct gp_sky *[]) {all});
+        gp_sky_free((struct gp_sky *[]) {sky});
+    }
+}
+
 SUITE_OF(sky, NULL, NULL, levels_are_the_sum, a_tolerance_is_kept,
          many_lights_are_within_the_bound, the_sum_is_as_defined, light_is_kept,
-         laws_hold, hard_frames_are_served)
+         laws_hold, hard_frames_are_served, light_comes_from_beside_the_frame)

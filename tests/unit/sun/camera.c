@@ -614,9 +614,8 @@ static void arnold_is_told_from_the_spec(void **state)
 
 SUITE_OF(camera, make_folder, remove_folder, places_of_a_hand_made_camera,
          windows_move_and_scale, places_have_rays_and_discs_degrees,
-         depth_counts_in_camera_units,
-         conventions_are_told_apart, matrices_that_are_none,
-         discs_cover_what_their_cones_cut, discs_that_are_none,
-         files_by_content, both_forms_are_one_camera,
+         depth_counts_in_camera_units, conventions_are_told_apart,
+         matrices_that_are_none, discs_cover_what_their_cones_cut,
+         discs_that_are_none, files_by_content, both_forms_are_one_camera,
          frames_are_found_by_number, large_files_have_an_end,
          suns_and_lamps_of_the_data, arnold_is_told_from_the_spec)

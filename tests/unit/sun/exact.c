@@ -4,6 +4,12 @@
  * pixel. */
 #include "scene.h"
 
+static double disc_area(double cx, double cy, double r, int x, int y)
+{
+    const struct gp_light l = {.x = cx, .y = cy};
+    return gp_light_pixel_area(&l, r, x, y);
+}
+
 /* Area by thin columns, whose heights are known. */
 static double area_by_columns(double cx, double cy, double r, int x, int y)
 {
@@ -28,7 +34,7 @@ static void test_pixel_area(void **state)
             const double fx = uniform01(), fy = uniform01(), r = radii[k];
             const int x = (int) floor(fx + r * cos(turn));
             const int y = (int) floor(fy + r * sin(turn)) - (i % 3 == 2);
-            assert_near(gp_disc_pixel_area(fx, fy, r, x, y),
+            assert_near(disc_area(fx, fy, r, x, y),
                         area_by_columns(fx, fy, r, x, y), 3e-6, "area, radius",
                         r);
         }
@@ -38,11 +44,10 @@ static void test_pixel_area(void **state)
 static void test_area_hard(void **state)
 {
     const double inf = (double) INFINITY, nan = (double) NAN;
-    assert_near(gp_disc_pixel_area(0.5, 0.5, 0.5, 0, 0), M_PI / 4, 1e-15,
+    assert_near(disc_area(0.5, 0.5, 0.5, 0, 0), M_PI / 4, 1e-15,
                 "touches all sides", 0.5);
-    assert_near(gp_disc_pixel_area(0, 0, 1, 0, 0), M_PI / 4, 1e-15, "quarter",
-                1);
-    assert_near(gp_disc_pixel_area(0, 0, M_SQRT2 * 1.0000001, 0, 0), 1, 0,
+    assert_near(disc_area(0, 0, 1, 0, 0), M_PI / 4, 1e-15, "quarter", 1);
+    assert_near(disc_area(0, 0, M_SQRT2 * 1.0000001, 0, 0), 1, 0,
                 "over the corner", 0);
     const struct {
         double cx, cy, r;
@@ -50,13 +55,14 @@ static void test_area_hard(void **state)
                 {0, nan, 1},  {-1, 0, 1},  {2, 0.5, 1}, {-1, -1, M_SQRT2},
                 {1e300, 0, 1}, {inf, 0, 5}, {0, -inf, 5}};
     for (size_t i = 0; i < COUNT(none); i++)
-        assert_near(gp_disc_pixel_area(none[i].cx, none[i].cy, none[i].r, 0,
-                                       0), 0, 1e-15, "no area", (double) i);
-    assert_near(gp_disc_pixel_area(INT32_MAX + 0.5, INT32_MIN + 0.5, 9,
-                                   INT32_MAX, INT32_MIN), 1, 0, "far", 9);
+        assert_near(disc_area(none[i].cx, none[i].cy, none[i].r, 0, 0), 0,
+                    1e-15, "no area", (double) i);
+    assert_near(
+        disc_area(INT32_MAX + 0.5, INT32_MIN + 0.5, 9, INT32_MAX, INT32_MIN), 1,
+        0, "far", 9);
     double last = 0.0; // it grows with the radius
     for (int i = 0; i <= 4000; i++) {
-        const double area = gp_disc_pixel_area(0.3, 0.6, i / 2000.0, 0, 0);
+        const double area = disc_area(0.3, 0.6, i / 2000.0, 0, 0);
         assert_true(area >= last - 1e-15);
         last = area;
     }
@@ -178,7 +184,7 @@ static double by_pixels(const struct gp_occluders *o, int outside,
     double area = 0.0, shown = 0.0;
     for (int y = o->frame.y0; y < o->frame.y1; y++) {
         for (int x = o->frame.x0; x < o->frame.x1; x++) {
-            const double a = gp_disc_pixel_area(l->x, l->y, l->radius, x, y);
+            const double a = disc_area(l->x, l->y, l->radius, x, y);
             area += a;
             shown += a * gp_occluders_show(o, l, x, y, NULL);
         }
@@ -201,7 +207,7 @@ static void check_interval(const struct gp_occluders *o, int outside,
     double area = 0.0, low = 0.0, high = 0.0;
     for (int i = 0; i < gp_rect_w(f) * gp_rect_h(f); i++) {
         const int x = f.x0 + i % gp_rect_w(f), y = f.y0 + i / gp_rect_w(f);
-        const double a = gp_disc_pixel_area(l.x, l.y, l.radius, x, y);
+        const double a = disc_area(l.x, l.y, l.radius, x, y);
         double lo = 1.0, hi = 0.0;
         for (int k = 0; k < 9; k++) {
             const int near_x = x + k % 3 - 1, near_y = y + k / 3 - 1;

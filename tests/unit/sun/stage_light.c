@@ -5,16 +5,23 @@
 
 enum { W = 40, H = 30 };
 
-/* Joins a light and no sources of a frame from (-3, 7) on; false: the light does
- * not go through the engines. */
-static bool join(const struct gp_light *light, struct gp_sources *out)
+/* Joins a light and no sources of a frame from (-3, 7) on, `left` pixels more and a
+ * sphere, or not; false: the light does not go through the engines. */
+static bool join_in(const struct gp_light *light, int left, bool round,
+                    struct gp_sources *out)
 {
-    const struct gp_rect frame = {-3, 7, -3 + W, 7 + H};
+    const struct gp_rect frame = {-3 - left, 7, -3 + W, 7 + H};
     const struct glarepp_light_params p = {0};
     const struct gp_image image = {.data = frame, .display = frame};
-    const struct gp_sources like = {.x0 = -3, .y0 = 7, .w = W, .h = H};
+    const struct gp_sources like = {
+        .x0 = frame.x0, .y0 = 7, .w = W + left, .h = H};
     struct gp_light l = *light;
-    const struct gp_suns suns = {.p = &p, .light = &l, .n = 1};
+    const struct gp_suns suns = {
+        .p = &p,
+        .light = &l,
+        .n = 1,
+        .wide = {.kind = round ? GP_LATLONG : GP_PLANE, .dx = 2.0 * M_PI / W},
+    };
     struct gp_sources none;
     assert_ok(gp_sources_make(NULL, &like, 0, &none));
     gp_sources_finish(&none);
@@ -22,6 +29,11 @@ static bool join(const struct gp_light *light, struct gp_sources *out)
     assert_ok(gp_suns_join(NULL, &suns, &image, &none, out));
     gp_sources_free(&none);
     return out->n > 0;
+}
+
+static bool join(const struct gp_light *light, struct gp_sources *out)
+{
+    return join_in(light, 0, false, out);
 }
 
 /* Flux is kept and the centroid is the light's place, wherever it stands. */
@@ -51,10 +63,44 @@ static void a_disc_keeps_flux_and_place(void **state)
     }
 }
 
+/* Of a light across the border, what is in the frame is as in a wider frame; of a sphere
+ * the rest is at its other side. */
+static void a_disc_across_the_border_is_cut(void **state)
+{
+    (void) state;
+    for (int k = 0; k < 40; k++) {
+        const struct gp_light l = {.x = -8.0 + 0.25 * k,
+                                   .y = 20.25,
+                                   .radius = 4.0,
+                                   .wide = 1 + k % 2,
+                                   .flux = {1000.0f},
+                                   .visibility = 1.0};
+        float wide[H][W + 20] = {{0}}, cut[H][W] = {{0}}, round[H][W] = {{0}};
+        float *const to[] = {wide[0], cut[0], round[0]};
+        for (int i = 0; i < 3; i++) {
+            struct gp_sources s;
+            if (!join_in(&l, i ? 0 : 20, i == 2, &s))
+                continue;
+            for (int y = 0; y < H; y++) {
+                for (uint32_t q = s.row[y]; q < s.row[y + 1]; q++)
+                    to[i][y * s.w + s.x[q]] += s.rgb[0][q];
+            }
+            gp_sources_free(&s);
+        }
+        for (int i = 0; i < W * H; i++) {
+            const int x = i % W, y = i / W;
+            const float beyond = x >= W - 20 ? wide[y][x - (W - 20)] : 0.0f;
+            const float own = wide[y][x + 20];
+            assert_true(cut[y][x] == own);
+            assert_true(round[y][x] == (own > 0.0f ? own : beyond));
+        }
+    }
+}
+
 /* The engines have no pixels beyond the frame for a light. */
 static void lights_beyond_the_frame_are_no_sources(void **state)
 {
-    static const double x[] = {-3.0, 37.0, -90.0, 1e300, -1e9, NAN};
+    static const double x[] = {-10.0, 44.0, -90.0, 1e300, -1e9, NAN};
     for (size_t i = 0; i < COUNT(x); i++) {
         struct gp_sources s;
         const struct gp_light l = {.x = x[i], .y = 15.0, .radius = 6.0,
@@ -95,4 +141,5 @@ static void offsets_reach_the_far_side(void **state)
 }
 
 SUITE_OF(stage_light, NULL, NULL, a_disc_keeps_flux_and_place,
+         a_disc_across_the_border_is_cut,
          lights_beyond_the_frame_are_no_sources, offsets_reach_the_far_side)

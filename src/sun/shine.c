@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+/* The light of suns and lamps: their discs' pixels as sources for the engines, and what
+ * lights beyond the frame add to it, by true angles or by sprites of the kernel. */
+#include "sun/stage.h"
+
+#include "core/colour.h"
+#include "core/maths.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+double gp_suns_around(const struct gp_suns *suns)
+{
+    return suns->wide.kind == GP_LATLONG ? round(2.0 * M_PI / suns->wide.dx)
+                                         : 0.0;
+}
+
+// -- a light's disc in pixels ------------------------------------------------
+
+/* Weights of the (2m+1) x (2n+1) pixels around a disc's centre pixel, whose
+ * sum is 1; one pixel for a radius up to 1/2. */
+struct disc {
+    int m, n;
+    float *weight; // owned
+};
+
+static int disc_reach(double radius)
+{
+    return radius > 0.5 ? (int) ceil(radius - 0.5) : 0;
+}
+
+/* The disc's pixels around the centre of one. */
+static struct disc disc_of(const struct gp_light *l)
+{
+    const double q = gp_light_stretch(l);
+    return (struct disc) {disc_reach(l->radius * q), disc_reach(l->radius / q),
+                          NULL};
+}
+
+static gp_status make_disc(const struct gp_log *log, const struct gp_light *l,
+                           struct disc *out)
+{
+    struct disc d = disc_of(l);
+    const int w = 2 * d.m + 1, h = 2 * d.n + 1;
+    const struct gp_light middle = {.x = 0.5, .y = 0.5, .wide = l->wide};
+    const double r = l->radius, all = M_PI * r * r;
+    gp_status st = gp_alloc(log, "disc of a light", (size_t) w * (size_t) h,
+                            sizeof *d.weight, &d.weight);
+    if (st)
+        return st;
+    for (int i = 0; i < w * h; i++)
+        d.weight[i] =
+            w * h == 1 ? 1.0f
+                       : (float) (gp_light_pixel_area(&middle, r, i % w - d.m,
+                                                      i / w - d.n) /
+                                  all);
+    *out = d;
+    return GP_OK;
+}
+
+/* Weight of pixel (x, y) from the centre pixel; 0 outside. */
+static double weight_at(const struct disc *d, int x, int y)
+{
+    const size_t row = 2 * (size_t) d->m + 1;
+    if (abs(x) > d->m || abs(y) > d->n)
+        return 0.0;
+    return (double) d->weight[(size_t) (y + d->n) * row + (size_t) (x + d->m)];
+}
+
+/* The share of a light in pixel (left + x, top + y), bilinear; *left and *top are set. */
+static double share_at(const struct disc *d, const struct gp_light *l, int x,
+                       int y, int *left, int *top)
+{
+    const double u = floor(l->x - 0.5), v = floor(l->y - 0.5);
+    const double fx = l->x - 0.5 - u, fy = l->y - 0.5 - v;
+    *left = (int) u;
+    *top = (int) v;
+    return (1.0 - fy) *
+               ((1.0 - fx) * weight_at(d, x, y) + fx * weight_at(d, x - 1, y)) +
+           fy * ((1.0 - fx) * weight_at(d, x, y - 1) +
+                 fx * weight_at(d, x - 1, y - 1));
+}
+
+static bool is_in(struct gp_rect r, int x, int y)
+{
+    return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1;
+}
+
+/* Appends the pixels that a light's disc falls on: those in the frame, `around` pixels of
+ * a turn if it is a sphere, else 0; or those `beyond` it. */
+static void add_disc(const struct disc *d, const struct gp_light *l,
+                     struct gp_rect frame, int around, bool beyond,
+                     struct gp_source *list, size_t *n)
+{
+    for (int y = -d->n; y <= d->n + 1; y++) {
+        for (int x = -d->m; x <= d->m + 1; x++) {
+            int left, top;
+            const double w = share_at(d, l, x, y, &left, &top);
+            int px = left + x - frame.x0;
+            const int py = top + y - frame.y0;
+            if (around)
+                px = (px % around + around) % around;
+            if (!(w > 0.0) ||
+                is_in(frame, px + frame.x0, py + frame.y0) == beyond)
+                continue;
+            struct gp_source *const e = &list[(*n)++];
+            *e = (struct gp_source) {.x = px, .y = py};
+            for (int c = 0; c < 3; c++)
+                e->rgb[c] = (float) (w * l->visibility * (double) l->flux[c]);
+        }
+    }
+}
+
+// -- lights for the engines, and for sprites ----------------------------------
+
+bool gp_suns_have_light(const struct gp_suns *suns, bool seen)
+{
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        if (gp_light_has_flux(l) && (!seen || l->visibility > 0.0))
+            return true;
+    }
+    return false;
+}
+
+/* Returns true when light l has glare of its own to add. */
+static bool glares(const struct gp_suns *suns, const struct gp_light *l)
+{
+    return gp_light_has_flux(l) && !suns->p->in_frame && !l->found &&
+           l->visibility > 0.0;
+}
+
+enum { SPRITE_RADIUS = 1024 }; // its picture is 1024 + the kernel's size wide
+
+/* Returns true when all of light l goes through the engines, which have no sources
+ * outside the frame: what is outside, of one that has a place, is drawn. */
+static bool is_inside(const struct gp_suns *suns, const struct gp_light *l,
+                      struct gp_rect data)
+{
+    const double r = fmax(l->radius, 0.5) + 0.5; // with its bilinear shares
+    return suns->wide.kind == GP_LATLONG ||
+           (l->x - r >= data.x0 && l->y - r >= data.y0 && l->x + r <= data.x1 &&
+            l->y + r <= data.y1);
+}
+
+/* Returns true when a part of it does. */
+static bool is_partly(const struct gp_suns *suns, const struct gp_light *l,
+                      struct gp_rect data)
+{
+    const double r = l->radius + 1.0;
+    return is_inside(suns, l, data) ||
+           (l->x + r > data.x0 && l->y + r > data.y0 && l->x - r < data.x1 &&
+            l->y - r < data.y1 && l->radius <= SPRITE_RADIUS);
+}
+
+/* Pixels of a list that its disc needs. */
+static size_t disc_room(const struct gp_light *l)
+{
+    const struct disc d = disc_of(l);
+    return (2 * (size_t) d.m + 2) * (2 * (size_t) d.n + 2);
+}
+
+void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
+                     int offset[2])
+{
+    offset[0] = offset[1] = 0;
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        const double r = fmax(l->radius, 0.5) + 1.5; // with bilinear shares
+        const double x = fmax(fabs(l->x - data.x0), fabs(l->x - data.x1)) + r;
+        const double y = fmax(fabs(l->y - data.y0), fabs(l->y - data.y1)) + r;
+        if (!glares(suns, l) || is_inside(suns, l, data) ||
+            !(x < 1e8 && y < 1e8))
+            continue;
+        offset[0] = gp_max(offset[0], (int) ceil(x));
+        offset[1] = gp_max(offset[1], (int) ceil(y));
+    }
+}
+
+gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
+                       const struct gp_image *f, const struct gp_sources *src,
+                       struct gp_sources *out)
+{
+    gp_status st;
+    struct gp_source *list = NULL;
+    size_t n = 0, room = 0;
+    for (int i = 0; i < suns->n; i++) {
+        if (glares(suns, &suns->light[i]) &&
+            is_partly(suns, &suns->light[i], f->data))
+            room += disc_room(&suns->light[i]);
+    }
+    if (!room)
+        return GP_OK;
+    GP_TRY(gp_alloc(log, "lights", room, sizeof *list, &list));
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        struct disc d;
+        if (!glares(suns, l) || !is_partly(suns, l, f->data))
+            continue;
+        GP_TRY(make_disc(log, l, &d));
+        add_disc(&d, l, f->data, (int) gp_suns_around(suns), false, list, &n);
+        gp_free(d.weight);
+    }
+    GP_TRY(gp_sources_join(log, src, list, n, out));
+out:
+    gp_free(list);
+    return st;
+}
+
+// -- sprites: the kernel spread over a light's disc ---------------------------
+
+static void drop_sprite(struct gp_flare *sprite)
+{
+    for (int k = 0; k < sprite->n; k++)
+        gp_planes_free(&sprite->element[k].image.rgb);
+    sprite->n = 0;
+}
+
+/* A spread kernel as an element; takes its planes. That of a far field is drawn
+ * as many times larger as its samples are pixels apart, and its colour gives it
+ * back the light that the sum of 1 takes. */
+static struct gp_flare_element element_of(const struct gp_spread_kernel *k,
+                                          int height)
+{
+    struct gp_flare_element e = {
+        .shape = GP_FLARE_IMAGE,
+        .plain = k->step == 1,
+        .scale = {1.0f, 1.0f, 1.0f},
+        .size = (double) gp_max(k->w, k->h) * k->step / height,
+        .image = {.w = k->w, .h = k->h, .cx = k->cx, .cy = k->cy, .rgb = k->k},
+    };
+    double sum = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double channel = 0.0;
+        for (size_t i = 0; i < (size_t) k->w * (size_t) k->h; i++)
+            channel += (double) k->k.c[c][i];
+        sum += channel * (double) gp_rec709_luminance[c];
+    }
+    for (int c = 0; c < 3; c++)
+        e.colour[c] = e.plain ? 1.0f : (float) (sum * k->step * k->step);
+    return e;
+}
+
+/* Makes elements of the kernel's core and far field, at most two. */
+static gp_status make_sprite(const struct gp_log *log,
+                             const struct gp_kernel *k, const struct disc *d,
+                             int height, struct gp_flare *out)
+{
+    struct gp_spread_kernel spread;
+    gp_status st;
+    drop_sprite(out);
+    GP_TRY(gp_kernel_spread(log, k, d->m, d->weight, &spread));
+    out->element[out->n++] = element_of(&spread, height);
+    if (k->far) {
+        GP_TRY(gp_kernel_spread_far(log, k, d->m, d->weight, &spread));
+        out->element[out->n++] = element_of(&spread, height);
+    }
+out:
+    return st;
+}
+
+/* The disc of what a light's own, d, has beyond the frame, around its whole pixel, to
+ * which the light moves. */
+static gp_status make_rest(const struct gp_log *log, const struct disc *d,
+                           struct gp_rect frame, struct gp_light *l,
+                           struct disc *out)
+{
+    const int m = d->m + 1, side = 2 * m + 1;
+    int left = 0, top = 0;
+    gp_status st =
+        gp_alloc(log, "disc of a light", (size_t) side * (size_t) side,
+                 sizeof *out->weight, &out->weight);
+    if (st)
+        return st;
+    for (int i = 0; i < side * side; i++) {
+        const int x = i % side - m, y = i / side - m;
+        const double w = share_at(d, l, x, y, &left, &top);
+        out->weight[i] = is_in(frame, left + x, top + y) ? 0.0f : (float) w;
+    }
+    out->m = out->n = m;
+    l->x = left + 0.5;
+    l->y = top + 0.5;
+    return GP_OK;
+}
+
+// -- drawing -----------------------------------------------------------------
+
+/* A kernel's sprite, and the radius of lights that it is for; 0: of none. */
+struct sprite {
+    struct gp_flare_element element[2];
+    struct gp_flare flare;
+    double radius;
+};
+
+/* Draws what a light has beyond the frame: by a sprite, which another light of its size
+ * takes, too. */
+static gp_status draw_sprite(const struct gp_log *log,
+                             const struct gp_suns *suns,
+                             const struct gp_kernel *kernel,
+                             const struct gp_light *light, struct sprite *s,
+                             struct gp_image *f)
+{
+    const int high = gp_rect_h(f->display);
+    const bool partly = is_partly(suns, light, f->data);
+    struct gp_light l = *light;
+    struct disc d = {0}, rest = {0};
+    gp_status st;
+    if (partly || s->radius != l.radius) {
+        l.radius = partly ? l.radius : fmax(l.radius, 0.5);
+        GP_TRY(make_disc(log, &l, &d));
+        if (partly)
+            GP_TRY(make_rest(log, &d, f->data, &l, &rest));
+        s->radius = 0.0;
+        GP_TRY(make_sprite(log, kernel, partly ? &rest : &d, high, &s->flare));
+        s->radius = partly ? 0.0 : light->radius;
+    }
+    GP_TRY(gp_flare_add(log, &s->flare, &l, 1, f->data, f->display, &f->layer));
+out:
+    gp_free(d.weight);
+    gp_free(rest.weight);
+    return st;
+}
+
+/* The same of light by true angles. */
+static gp_status draw_sky(const struct gp_log *log,
+                          const struct gp_kernel *kernel,
+                          const struct gp_light *l, struct gp_image *f)
+{
+    struct disc d = {0};
+    struct gp_source *list = NULL;
+    size_t n = 0;
+    gp_status st;
+    GP_TRY(gp_alloc(log, "lights", disc_room(l), sizeof *list, &list));
+    GP_TRY(make_disc(log, l, &d));
+    add_disc(&d, l, f->data, 0, true, list, &n);
+    st = gp_kernel_add_beyond(log, kernel, list, n, gp_image_w(f),
+                              gp_image_h(f), &f->layer);
+out:
+    gp_free(list);
+    gp_free(d.weight);
+    return st;
+}
+
+gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
+                       const struct gp_kernel *kernel, struct gp_image *f)
+{
+    struct sprite s = {0};
+    gp_status st = GP_OK;
+    s.flare.element = s.element;
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        if (!glares(suns, l) || is_inside(suns, l, f->data))
+            continue;
+        if (l->radius > SPRITE_RADIUS)
+            GP_TRY(gp_fail_bare_at(
+                log, GP_ERR_DATA, "lights.in_frame",
+                "a light of radius %g pixels is too large for glare of its own "
+                "at the frame's edge (the limit is %d); leave its flux out",
+                l->radius, SPRITE_RADIUS));
+        if (kernel->sky)
+            GP_TRY(draw_sky(log, kernel, l, f));
+        if (!kernel->sky || kernel->w > 1 || kernel->h > 1) // else in its pixel
+            GP_TRY(draw_sprite(log, suns, kernel, l, &s, f));
+    }
+out:
+    drop_sprite(&s.flare);
+    return st;
+}
