@@ -796,6 +796,7 @@ struct glarepp_errors {
     double max_abs;
     double flux_error; // of the light in all
     long long pixels;  // that were summed: of many sources by true angles some
+    double off;        // share of these whose layer is off by over 0.5 %
 };
 
 /* A light in a frame. */

@@ -238,9 +238,20 @@ out:
 gp_status gp_api_exact(struct glarepp_frame *f, double **out)
 {
     const size_t n = 3 * gp_image_pixels(&f->image);
-    double *sum = NULL, *more = NULL;
+    double *sum = NULL, *more = NULL, sources = 0.0;
+    unsigned char *only = NULL;
     gp_status st = GP_OK;
     *out = NULL;
+    f->sample = (struct gp_glare_sample) {0};
+    for (int i = 0; i < parts_of(f); i++) {
+        const struct part part = part_of(f, i);
+        if (part.light->n && part.kernel->sky)
+            sources += (double) part.light->n;
+    }
+    if (sources > 0.0) {
+        GP_TRY(gp_alloc(&f->log, "exact layer", n / 3, 1, &only));
+        f->sample = gp_glare_sample(&f->image, &f->image.layer, sources, only);
+    }
     for (int i = 0; i < parts_of(f); i++) {
         const struct part part = part_of(f, i);
         const struct gp_surround edges = edges_of(f, part.own);
@@ -249,8 +260,8 @@ gp_status gp_api_exact(struct glarepp_frame *f, double **out)
             continue;
         if (!*to)
             GP_TRY(gp_alloc(&f->log, "exact layer", n, sizeof **to, to));
-        GP_TRY(
-            gp_glare_reference(&f->log, &edges, part.light, part.kernel, *to));
+        GP_TRY(gp_glare_reference(&f->log, &edges, part.light, part.kernel,
+                                  only, *to));
         for (size_t k = 0; more && k < n; k++)
             sum[k] += more[k];
     }
@@ -259,6 +270,7 @@ gp_status gp_api_exact(struct glarepp_frame *f, double **out)
 out:
     gp_free(sum);
     gp_free(more);
+    gp_free(only);
     return st;
 }
 

@@ -208,6 +208,7 @@ struct glarepp_frame {
     struct gp_planes sources_shown, polygons, truth;
     struct gp_planes part[GP_PARTS]; // from GLAREPP_PART_VEIL on; p.parts
     double *exact;                 // the layer in double, where it is kept; owned
+    struct gp_glare_sample sample; // ... of its pixels
     bool hidden;                   // work.lights knows depth and mask
     struct gp_api_picture sunmap, intensity;
     struct glarepp_share *share;   // facts.light

@@ -453,7 +453,7 @@ static gp_status verify(struct glarepp_frame *f)
         st = gp_api_exact(f, &f->exact);
     if (!f->exact)
         return st;
-    gp_glare_measure(&f->image, &f->image.layer, f->exact,
+    gp_glare_measure(&f->image, &f->image.layer, f->exact, &f->sample,
                      f->plan->compose.gain, gp_api_taken(f), &f->facts.errors);
     f->facts.verified = true;
     if (!f->p.details)

@@ -315,6 +315,7 @@ static const struct row made_rows[] = {
     FACT("measured.max_rel", lib.errors.max_rel, IF(lib.verified)),
     FACT("measured.max_abs", lib.errors.max_abs, IF(lib.verified)),
     FACT("measured.flux_error", lib.errors.flux_error, IF(lib.verified)),
+    FACT("measured.off", lib.errors.off, IF(lib.verified)),
     FACT("measured.pixels", lib.errors.pixels, IF(lib.verified)),
     FACT("nonfinite", lib.sense.nonfinite),
     FACT("clamped", lib.sense.clamped),

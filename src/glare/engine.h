@@ -150,17 +150,37 @@ void gp_glare_close(struct gp_glare *g);
  * kernel's area is small, else a double-precision FFT. Slow; for --verify and
  * tests.
  *   edges  as in gp_glare_params; NULL: black
+ *   only   of w * h pixels those that are not 0 are summed, the others NaN, where
+ *          light goes by true angles; NULL: all
  *   layer  3 * w * h doubles, plane after plane */
 GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
-    const struct gp_surround *edges, const struct gp_sources *src,
-    const struct gp_kernel *kernel, double *layer);
+                                           const struct gp_surround *edges,
+                                           const struct gp_sources *src,
+                                           const struct gp_kernel *kernel,
+                                           const unsigned char *only,
+                                           double *layer);
+
+/* Pixels that stand for a frame: those of at least that luminance in the layer, each
+ * for itself, and some by a hash of their place, each for so many. 0: all pixels. */
+struct gp_glare_sample {
+    float least;
+    double each;
+};
+
+/* Chooses them, where the sum of n sources by true angles would take minutes: half of
+ * those that it can have are the brightest, which have the most of all light, and of
+ * all error. Fills `only`, as above. */
+struct gp_glare_sample gp_glare_sample(const struct gp_image *f,
+                                       const struct gp_planes *layer, double n,
+                                       unsigned char *only);
 
 /* Errors of a layer against the truth. The composite is
  * f->rgb + gain * exact, less min(gain, 1) of `taken` where that is not NULL:
- * sources whose light leaves their pixels. */
+ * sources whose light leaves their pixels. NULL: not a sample. */
 void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
-    const double *exact, float gain, const struct gp_sources *taken,
-    struct glarepp_errors *out);
+                      const double *exact, const struct gp_glare_sample *sample,
+                      float gain, const struct gp_sources *taken,
+                      struct glarepp_errors *out);
 
 // -- the frame and its layer -------------------------------------------------
 

@@ -161,9 +161,13 @@ out:
 }
 
 /* The sum with any kernel, and the light from beyond the border. */
-static gp_status sum_all(const struct gp_log *log, const struct gp_surround *edges,
-    const struct gp_sources *src, const struct gp_kernel *k, double *layer)
+static gp_status sum_all(const struct gp_log *log,
+                         const struct gp_surround *edges,
+                         const struct gp_sources *src,
+                         const struct gp_kernel *k, const unsigned char *only,
+                         double *layer)
 {
+    const size_t n = (size_t) src->w * (size_t) src->h;
     gp_status st = GP_OK;
     struct gp_kernel whole = {0};
     struct gp_beyond *beyond = NULL;
@@ -171,10 +175,12 @@ static gp_status sum_all(const struct gp_log *log, const struct gp_surround *edg
     if (k->far)
         GP_TRY(gp_kernel_whole(log, k, src->w, src->h, &whole));
     GP_TRY(sum_plain(log, src, all, layer));
-    if (k->sky) {
-        gp_sky_sample(src, layer);
-        gp_sky_exact(k->sky, src, layer);
+    for (size_t i = 0; i < n && only && k->sky; i++) {
+        if (!only[i])
+            layer[i] = layer[n + i] = layer[2 * n + i] = (double) NAN;
     }
+    if (k->sky)
+        gp_sky_exact(k->sky, src, layer);
     if (edges)
         GP_TRY(gp_beyond_find(log, edges, &beyond));
     GP_TRY(gp_beyond_add_exact(log, beyond, all, layer));
@@ -185,32 +191,93 @@ out:
 }
 
 gp_status gp_glare_reference(const struct gp_log *log,
-    const struct gp_surround *edges, const struct gp_sources *src,
-    const struct gp_kernel *k, double *layer)
+                             const struct gp_surround *edges,
+                             const struct gp_sources *src,
+                             const struct gp_kernel *k,
+                             const unsigned char *only, double *layer)
 {
     gp_status st;
     struct gp_mirrored m = {0};
+    unsigned char *inner = NULL;
     double *wide = NULL;
     if (!edges || edges->how != GLAREPP_MIRROR)
-        return sum_all(log, edges, src, k, layer);
+        return sum_all(log, edges, src, k, only, layer);
     GP_TRY(gp_mirror(log, edges, src, NULL, &m));
     const size_t pitch = (size_t) m.src.w, n = pitch * (size_t) m.src.h;
+    const size_t w = (size_t) src->w, h = (size_t) src->h;
+    const size_t first = (size_t) m.reach * (pitch + 1);
     GP_TRY(gp_alloc(log, "exact layer", 3 * n, sizeof *wide, &wide));
-    GP_TRY(sum_all(log, &m.edges, &m.src, k, wide));
-    for (size_t i = 0; i < 3 * (size_t) src->h; i++) {
-        const size_t c = i / (size_t) src->h, y = i % (size_t) src->h;
-        memcpy(layer + i * (size_t) src->w,
-               wide + c * n + (y + (size_t) m.reach) * pitch +
-                   (size_t) m.reach,
-               (size_t) src->w * sizeof *layer);
-    }
+    GP_TRY(gp_alloc_zero(log, "exact layer", n, 1, &inner));
+    for (size_t y = 0; y < h && only; y++)
+        memcpy(inner + first + y * pitch, only + y * w, w);
+    GP_TRY(sum_all(log, &m.edges, &m.src, k, only ? inner : NULL, wide));
+    for (size_t i = 0; i < 3 * h; i++)
+        memcpy(layer + i * w, wide + i / h * n + first + i % h * pitch,
+               w * sizeof *layer);
 out:
     gp_mirrored_free(&m);
+    gp_free(inner);
     gp_free(wide);
     return st;
 }
 
 // -- errors against the truth ------------------------------------------------
+
+static float luminance_at(const struct gp_image *f,
+                          const struct gp_planes *layer, size_t i)
+{
+    float y = 0.0f;
+    for (int c = 0; c < 3; c++)
+        y += f->luminance[c] * layer->c[c][i];
+    return y;
+}
+
+/* The luminance that at most so many pixels have: the least of a thirty-second octave. */
+static float least_of(const struct gp_image *f, const struct gp_planes *layer,
+                      size_t most)
+{
+    enum { SHIFT = 18, BINS = 1 << (31 - SHIFT) };
+    size_t count[BINS] = {0}, n = 0;
+    uint32_t bin = BINS, bits;
+    float least;
+    for (size_t i = 0; i < gp_image_pixels(f); i++) {
+        const float y = luminance_at(f, layer, i);
+        memcpy(&bits, &y, sizeof bits);
+        count[y > 0.0f ? bits >> SHIFT : 0]++;
+    }
+    while (bin > 1 && n + count[bin - 1] <= most)
+        n += count[--bin];
+    bits = bin << SHIFT;
+    memcpy(&least, &bits, sizeof least);
+    return bin < BINS ? least : INFINITY;
+}
+
+struct gp_glare_sample gp_glare_sample(const struct gp_image *f,
+                                       const struct gp_planes *layer, double n,
+                                       unsigned char *only)
+{
+    static const double MOST = 5e7; // pairs of a source and a pixel: seconds
+    static const double PIXELS = 3e5;
+    const size_t pixels = gp_image_pixels(f);
+    const double most = floor(fmax(fmin(MOST / fmax(n, 1.0), PIXELS), 64.0));
+    struct gp_glare_sample s = {0};
+    memset(only, 1, pixels);
+    if ((double) pixels <= most)
+        return s;
+    s.least = least_of(f, layer, (size_t) (0.5 * most));
+    const double each = ceil((double) pixels / (0.5 * most));
+    size_t rest = 0, taken = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        const uint64_t hash = (i + 1) * 0x9e3779b97f4a7c15u;
+        if (luminance_at(f, layer, i) >= s.least)
+            continue;
+        only[i] = fmod((double) (hash >> 40), each) < 1.0;
+        rest++;
+        taken += only[i];
+    }
+    s.each = (double) rest / (double) (taken ? taken : 1);
+    return s;
+}
 
 /* Returns the larger; NaN counts as infinitely wrong. */
 static double worse(double a, double b)
@@ -238,10 +305,14 @@ static double composite_at(const struct gp_image *f, const double *exact,
 }
 
 void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
-    const double *exact, float gain, const struct gp_sources *taken,
-    struct glarepp_errors *out)
+                      const double *exact, const struct gp_glare_sample *sample,
+                      float gain, const struct gp_sources *taken,
+                      struct glarepp_errors *out)
 {
     const size_t n = gp_image_pixels(f);
+    const double each = sample && sample->each > 0.0 ? sample->each : 1.0;
+    const float least = sample ? sample->least : 0.0f;
+    double weight = 0.0, off = 0.0;
     double square = 0.0, exact_square = 0.0, sum = 0.0, exact_sum = 0.0;
     double max_abs = 0.0, max_rel = 0.0, peak = 0.0;
     long long measured = 0;
@@ -249,11 +320,12 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
         for (int c = 0; c < 3 && !isnan(exact[i]); c++) {
             const double want = exact[(size_t) c * n + i];
             const double got = (double) layer->c[c][i];
-            square += (got - want) * (got - want);
-            exact_square += want * want;
+            const double by = luminance_at(f, layer, i) >= least ? 1.0 : each;
+            square += by * (got - want) * (got - want);
+            exact_square += by * want * want;
             max_abs = worse(max_abs, fabs(got - want));
-            sum += got;
-            exact_sum += want;
+            sum += by * got;
+            exact_sum += by * want;
         }
         // of pixels that were left out NaN, which is no peak
         peak = fmax(peak, composite_at(f, exact, (double) gain, taken, i,
@@ -264,10 +336,18 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
     for (size_t i = 0, next = 0; i < n; i++) {
         const double composite =
             composite_at(f, exact, (double) gain, taken, i, &next);
-        double wrong = 0.0;
-        for (int c = 0; c < 3; c++)
-            wrong += (double) f->luminance[c] * (double) gain *
-                     ((double) layer->c[c][i] - exact[(size_t) c * n + i]);
+        double wrong = 0.0, own = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const double want = exact[(size_t) c * n + i];
+            const double y = (double) f->luminance[c] * (double) gain;
+            wrong += y * ((double) layer->c[c][i] - want);
+            own += y * want;
+        }
+        if (!isnan(exact[i])) {
+            const double by = luminance_at(f, layer, i) >= least ? 1.0 : each;
+            weight += by;
+            off += fabs(wrong) <= 5e-3 * fabs(own) ? 0.0 : by;
+        }
         if (wrong != 0.0 && !isnan(exact[i]))
             max_rel = worse(max_rel, fabs(wrong) / (fmax(composite, 0.0) +
                                                     1e-6 * peak));
@@ -278,5 +358,6 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
         .max_abs = max_abs,
         .flux_error = fabs(exact_sum > 0.0 ? sum / exact_sum - 1.0 : sum),
         .pixels = measured,
+        .off = weight > 0.0 ? off / weight : 0.0,
     };
 }

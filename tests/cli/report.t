@@ -26,7 +26,7 @@ is "$(field r.json 'o["input"], o["outputs"]')" \
 is "$(field r.json 'o["width"], o["height"]')" '(64, 48)' 'width and height'
 is "$(field r.json 'o["engine"], o["sources"] > 0')" "('fft', True)" 'engine'
 is "$(field r.json 'sorted(o["measured"])')" \
-    "['flux_error', 'max_abs', 'max_rel', 'pixels', 'rel_l2']" 'measured'
+    "['flux_error', 'max_abs', 'max_rel', 'off', 'pixels', 'rel_l2']" 'measured'
 is "$(field r.json '0 < o["measured"]["rel_l2"] <= o["bound"] < 1e-3')" True \
     'measured is within the bound'
 is "$(field r.json 'o["depth"]')" "{'channel': 'Z', 'type': 'float'}" 'depth'

@@ -98,7 +98,7 @@ static void judge_layer(const struct hard_case *h, int way,
                         const struct glarepp_layer_facts *stats, struct result *r)
 {
     struct glarepp_errors e;
-    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, NULL, &e);
+    gp_glare_measure(&s->f, &s->f.layer, s->exact, NULL, 1.0f, NULL, &e);
     r->own = scene_own_error(s);
     if (is_dark(s)) {
         r->error = e.max_abs;

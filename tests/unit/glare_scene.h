@@ -349,7 +349,7 @@ static inline struct scene scene_sense(struct gp_image f, struct gp_kernel k,
 static inline void scene_find_exact(struct scene *s)
 {
     s->exact = scene_alloc(3 * gp_image_pixels(&s->f), sizeof *s->exact);
-    if (gp_glare_reference(NULL, NULL, &s->src, &s->k, s->exact))
+    if (gp_glare_reference(NULL, NULL, &s->src, &s->k, NULL, s->exact))
         abort();
 }
 
@@ -374,7 +374,7 @@ static inline void scene_free(struct scene *s)
 static inline double scene_rel_l2(const struct scene *s)
 {
     struct glarepp_errors e;
-    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, NULL, &e);
+    gp_glare_measure(&s->f, &s->f.layer, s->exact, NULL, 1.0f, NULL, &e);
     return e.rel_l2;
 }
 

@@ -149,17 +149,3 @@ void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,
     struct exact e = {sky, src, layer};
     gp_parallel_do(src->h, exact_row, &e);
 }
-
-void gp_sky_sample(const struct gp_sources *src, double *layer)
-{
-    static const double MOST = 5e7; // pairs of a source and a pixel: seconds
-    static const double PIXELS = 3e5;
-    const size_t n = (size_t) src->w * (size_t) src->h;
-    const double each =
-        ceil(fmax((double) src->n * (double) n / MOST, (double) n / PIXELS));
-    for (size_t i = 0; i < n; i++) {
-        const uint64_t hash = (i + 1) * 0x9e3779b97f4a7c15u;
-        if (fmod((double) (hash >> 40), fmax(each, 1.0)) >= 1.0)
-            layer[i] = layer[n + i] = layer[2 * n + i] = (double) NAN;
-    }
-}

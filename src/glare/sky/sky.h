@@ -105,10 +105,6 @@ GP_MUST_CHECK gp_status gp_sky_add_beyond(const struct gp_log *log,
 void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,
                   double *layer);
 
-/* Leaves pixels of a layer out, where all would take minutes: makes them NaN, but for
- * some that a hash of their places takes. */
-void gp_sky_sample(const struct gp_sources *src, double *layer);
-
 /* The share of light that levels spread, and that they leave in its pixel. */
 double gp_sky_light(const struct gp_sky *sky);
 

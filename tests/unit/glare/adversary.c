@@ -108,7 +108,8 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
         p.tolerance_pixel = 1e-3f;
         assert_ok(gp_glare_run(NULL, &p, &g, &s->src, &s->k, &s->f, &stats));
         gp_glare_close(&g);
-        gp_glare_measure(&s->f, &s->f.layer, s->exact, p.gain, NULL, &error);
+        gp_glare_measure(&s->f, &s->f.layer, s->exact, NULL, p.gain, NULL,
+                         &error);
         return error.max_rel / stats.bound_pixel;
     }
     assert_ok(e->bound(&req, &state, &bound));

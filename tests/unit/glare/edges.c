@@ -146,10 +146,11 @@ static void layers_are_the_plain_sum(void **state)
         const size_t e = model ? 2 * (i % 2) : i % COUNT(engines);
         double bound, black;
         s.exact = scene_alloc(3 * gp_image_pixels(&s.f), sizeof *s.exact);
-        assert_ok(gp_glare_reference(NULL, NULL, &s.src, &s.k, s.exact));
+        assert_ok(gp_glare_reference(NULL, NULL, &s.src, &s.k, NULL, s.exact));
         s.f.layer = layer_of(&s.src, &edges, &s.k, engines[e], &bound);
         black = scene_rel_l2(&s);
-        assert_ok(gp_glare_reference(NULL, &edges, &s.src, &s.k, s.exact));
+        assert_ok(
+            gp_glare_reference(NULL, &edges, &s.src, &s.k, NULL, s.exact));
         const double error = scene_rel_l2(&s);
         if (!(error <= fmax(1e-6, s.k.negative ? 0.0 : bound)))
             fail_msg("kernel %zu, light %zu, %s: %g, bound %g", n,

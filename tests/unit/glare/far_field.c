@@ -110,7 +110,7 @@ static struct error compare(const struct made *m, const struct gp_sources *s,
     double *const exact = scene_alloc(3 * n, sizeof *exact);
     struct error e = {0};
     double error = 0.0, layer = 0.0, light = 0.0;
-    assert_ok(gp_glare_reference(NULL, NULL, s, &k, exact));
+    assert_ok(gp_glare_reference(NULL, NULL, s, &k, NULL, exact));
     for (int c = 0; c < 3; c++) {
         double most = 0.0;
         for (size_t i = 0; i < n; i++) {

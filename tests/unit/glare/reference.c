@@ -119,7 +119,8 @@ static void one_error_is_what_it_is(void **state)
         struct scene s = measured(8, 4, rows[i].light, exact, (float) exact);
         struct glarepp_errors e;
         s.f.layer.c[rows[i].channel][17] += rows[i].off;
-        gp_glare_measure(&s.f, &s.f.layer, s.exact, rows[i].gain, NULL, &e);
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, NULL, rows[i].gain, NULL,
+                         &e);
         double weight = 0.0;
         for (int c = 0; c < 3; c++)
             weight += (double) s.f.luminance[c];
@@ -128,6 +129,12 @@ static void one_error_is_what_it_is(void **state)
         assert_near(e.rel_l2, fabs(off) / (exact * sqrt(96.0)), "rel_l2");
         assert_near(e.max_abs, fabs(off), "max_abs");
         assert_near(e.flux_error, fabs(off) / (exact * 96.0), "flux_error");
+        const double y = (double) s.f.luminance[rows[i].channel];
+        assert_near(e.off,
+                    gain * y * fabs(off) > 5e-3 * gain * weight * exact
+                        ? 1.0 / 32.0
+                        : 0.0,
+                    "off");
         if (own > 0.0)
             assert_near(e.max_rel,
                         gain * fabs(off) *
@@ -148,7 +155,7 @@ static void nan_is_an_error(void **state)
         struct scene s = measured(5, 3, 1.0f, 1.0, 1.0f);
         struct glarepp_errors e;
         s.f.layer.c[i / 3][places[i % 3]] = bad[i % 3];
-        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, NULL, &e);
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, NULL, 1.0f, NULL, &e);
         assert_true(!(e.rel_l2 <= 1e30));
         assert_true(!(e.max_rel <= 1e30));
         assert_true(!(e.max_abs <= 1e30));
@@ -170,7 +177,7 @@ static void scattered_light_leaves_the_composite(void **state)
             s.f.rgb.c[c][17] = 4.0f; // 3 of it are a source
         assert_ok(gp_sense(NULL, &p, &s.f, &s.src));
         s.f.layer.c[1][17] += 1.0f;
-        gp_glare_measure(&s.f, &s.f.layer, s.exact, gains[i], &s.src, &e);
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, NULL, gains[i], &s.src, &e);
         const double own = 4.0 - 3.0 * fmin(gain, 1.0) + gain * 2.0;
         const double peak = fmax(own, 0.5 + gain * 2.0);
         assert_near(e.max_rel, gain * (double) s.f.luminance[1] /
