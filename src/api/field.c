@@ -3,6 +3,7 @@
  * far the kernel has to reach. */
 #include "api/plan.h"
 
+#include "core/maths.h"
 #include "core/minmax.h"
 #include "glare/sky/sky.h"
 
@@ -36,14 +37,27 @@ struct gp_projection gp_api_wide(const struct glarepp_frame *f)
                : (struct gp_projection) {0};
 }
 
-bool gp_api_is_round(const struct glarepp_frame *f)
+enum glarepp_edges gp_api_edges(const struct glarepp_frame *f)
 {
-    return projection_of(f) == GLAREPP_LATLONG;
+    const struct gp_projection p = gp_api_wide(f);
+    const struct gp_rect d = f->image.data;
+    const double more =
+        gp_mirror_reach(gp_image_w(&f->image), gp_image_h(&f->image));
+    double u = fmax(fabs(d.x0 - p.x0), fabs(d.x1 - p.x0)) * p.dx;
+    double v = fmax(fabs(d.y0 - p.y0), fabs(d.y1 - p.y0)) * p.dy;
+    if (p.kind == GP_LATLONG || (p.rim > 0.0 && gp_hypot(u, v) > p.rim))
+        return GLAREPP_BLACK;
+    u += more * p.dx;
+    v += more * p.dy;
+    return f->plan->edges == GLAREPP_MIRROR && p.rim > 0.0 &&
+                   gp_hypot(u, v) > p.rim
+               ? GLAREPP_EXTEND
+               : f->plan->edges;
 }
 
 gp_status gp_api_has_axis(const struct glarepp_frame *f)
 {
-    if (!gp_api_is_round(f))
+    if (projection_of(f) != GLAREPP_LATLONG)
         return GP_OK;
     return gp_fail_at(&f->log, GP_ERR_USAGE, "plan.projection.axis",
                       "%s: a lat-long frame has no axis of a lens, around "
@@ -120,7 +134,7 @@ void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field)
 {
     if (f->work->lights)
         reach_lights(f, field);
-    if (f->plan->edges == GLAREPP_MIRROR && !gp_api_is_round(f)) {
+    if (gp_api_edges(f) == GLAREPP_MIRROR) {
         const int more =
             2 * gp_mirror_reach(gp_image_w(&f->image), gp_image_h(&f->image));
         field->w += more;

@@ -119,8 +119,7 @@ out:
 static struct gp_surround edges_of(const struct glarepp_frame *f,
                                    const struct gp_sources *own)
 {
-    return (struct gp_surround) {gp_api_is_round(f) ? GLAREPP_BLACK
-                                                    : f->plan->edges,
+    return (struct gp_surround) {gp_api_edges(f),
                                  f->whole.row ? &f->whole : &f->sources, own};
 }
 

@@ -250,8 +250,9 @@ gp_api_taken(const struct glarepp_frame *f)
  * by none. */
 double gp_api_camera_fov(const struct glarepp_frame *f);
 
-/* Tests whether a frame is the whole sphere, of which nothing is beyond its border. */
-bool gp_api_is_round(const struct glarepp_frame *f);
+/* How a frame goes on beyond its border: a whole sphere, or a fisheye whose rim is in the
+ * frame, does not, and one whose rim is in its mirror image is extended. */
+enum glarepp_edges gp_api_edges(const struct glarepp_frame *f);
 
 /* Errors: USAGE a frame that no lens has drawn, for ghosts and flares. */
 GP_MUST_CHECK gp_status gp_api_has_axis(const struct glarepp_frame *f);

@@ -23,6 +23,7 @@ struct bench {
     struct glarepp_kernel *kernel;
     struct gp_frame *f;
     struct glarepp_frame_params params; // of f
+    bool angles;                 // the truth is by true angles, not a plane's
     struct glarepp_plan *plan;   // of the truth
     struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
     struct glarepp_sense_facts sense;
@@ -52,6 +53,8 @@ static gp_status make_plan(const struct bench *b,
     struct glarepp_plan_params p = *b->req->plan;
     struct glarepp_layer_params layer = *p.layer;
     layer.edges = GLAREPP_BLACK;
+    if (!b->angles || (t && t->plane))
+        p.projection = GLAREPP_PLANE;
     if (t) {
         layer.engine = t->engine;
         layer.group = t->group;
@@ -442,8 +445,8 @@ static gp_status make_truth(struct bench *b)
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_KERNEL));
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_LAYER));
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_VERIFY));
-    // FLIP judges the tone-mapped composite, not light
-    if (strcmp(b->req->plan->tone->curve, "none") == 0)
+    // FLIP judges the tone-mapped composite, not light; of a sample there is none
+    if (b->angles || strcmp(b->req->plan->tone->curve, "none") == 0)
         return GP_OK;
     GP_TRY(glarepp_frame_view(b->truth, GLAREPP_TRUTH, 0, &view));
     GP_TRY(glarepp_frame_set(b->truth, GLAREPP_GLARE, &view));
@@ -452,6 +455,48 @@ static gp_status make_truth(struct bench *b)
     for (int c = 0; c < 3; c++)
         memcpy(b->shown.c[c], view.plane[c], n * sizeof(float));
 out:
+    return st;
+}
+
+static void end_truth(struct bench *b)
+{
+    glarepp_frame_end(&b->truth);
+    glarepp_plan_end(&b->plan);
+    gp_planes_free(&b->shown);
+}
+
+/* Adds what a plane leaves of true angles, where the kernel follows them. */
+static gp_status measure_angles(const struct bench *plain,
+                                struct gp_bench_frame *out)
+{
+    static const struct gp_bench_technique ways[] = {
+        {"levels, by true angles", "fft", 1, 0, 0.0f, false},
+        {"plane, by true angles", "fft", 1, 0, 0.0f, true},
+    };
+    struct bench b = *plain;
+    gp_status st;
+    b.angles = true;
+    b.plan = NULL;
+    b.truth = NULL;
+    b.shown = (struct gp_planes) {0};
+    GP_TRY(make_truth(&b));
+    const char *const by = glarepp_frame_facts(b.truth)->kernel.projection;
+    for (int i = 0; i < 2 && by && strcmp(by, "plane") != 0; i++) {
+        struct gp_bench_row *const row = &out->row[out->rows++];
+        *row = (struct gp_bench_row) {
+            .name = ways[i].name,
+            .layer = "angles",
+            .share = 1.0,
+            .bound = NAN,
+            .flip = NAN,
+        };
+        snprintf(row->options, sizeof row->options, "-e fft --projection %s",
+                 i ? "plane" : by);
+        GP_TRY(run_technique(&b, &ways[i], row));
+        row->bound = i ? NAN : row->bound; // it is a plane's
+    }
+out:
+    end_truth(&b);
     return st;
 }
 
@@ -489,6 +534,8 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
         row->why[0] = '\0';
         GP_TRY(run_technique(b, technique, row));
     }
+    if (b->sense.sources && plan->projection != GLAREPP_PLANE)
+        GP_TRY(measure_angles(b, out));
     for (int i = 0; i < EXTRAS; i++) {
         const struct extra *const e = &extras[i];
         struct gp_bench_row *const row = &out->row[out->rows];
@@ -508,9 +555,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
     }
     gp_bench_mark_pareto(out);
 out:
-    glarepp_frame_end(&b->truth);
-    glarepp_plan_end(&b->plan);
-    gp_planes_free(&b->shown);
+    end_truth(b);
     GP_FREE(b->ms);
     return st;
 }

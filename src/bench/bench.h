@@ -48,6 +48,9 @@ struct gp_bench_request {
  * in 8 bits; the error is the difference to exact over all lights. Without a
  * plot.
  *
+ * The techniques draw one kernel everywhere, on a plane. After them a model that
+ * follows true angles has two rows against their sum: levels, and what a plane leaves.
+ *
  * Flare of bright pixels and ghosts of a lens are rows after the techniques, each
  * against its own truth.
  *

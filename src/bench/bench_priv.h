@@ -51,11 +51,13 @@ struct gp_bench_technique {
     const char *engine;
     int group, cluster;
     float shrink;
+    bool plane; // where the truth is by true angles
 };
 extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
 enum {
-    GP_BENCH_ROWS = 10,        // of gp_bench_techniques
-    GP_BENCH_MOST = GP_BENCH_ROWS + 3, // with flare, and a lens in two ways
+    GP_BENCH_ROWS = 10, // of gp_bench_techniques
+    GP_BENCH_MOST =
+        GP_BENCH_ROWS + 5, // with angles, flare, and a lens in two ways
 };
 
 /* Writes the main command's options for that technique. */
@@ -81,7 +83,7 @@ struct gp_bench_row {
     bool measured;             // `error` is known; never when extrapolated
     struct glarepp_errors error;
     double flip;               // mean LDR-FLIP; NaN: not defined
-    const char *layer;         // "flare", "lens"; NULL: the kernel's
+    const char *layer;         // "angles", "flare", "lens"; NULL: the kernel's
     bool pareto;               // no row of the layer is both faster and nearer
 };
 

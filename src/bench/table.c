@@ -15,16 +15,16 @@
 /* From the exact ones over one step of Ando et al. after the other to all of
  * them together. */
 const struct gp_bench_technique gp_bench_techniques[] = {
-    {"direct", "direct", 1, 0, 0.0f},
-    {"fft", "fft", 1, 0, 0.0f},
-    {"splat", "splat", 1, 0, 0.0f},
-    {"splat group 2", "splat", 2, 0, 0.0f},
-    {"splat group 4", "splat", 4, 0, 0.0f},
-    {"splat group 8", "splat", 8, 0, 0.0f},
-    {"splat group 4, cluster 8", "splat", 4, 8, 0.0f},
-    {"splat group 4, shrink 1e-3", "splat", 4, 0, 1e-3f},
-    {"splat 4/8/1e-3", "splat", 4, 8, 1e-3f},
-    {"auto", "auto", 4, 8, 1e-3f},
+    {"direct", "direct", 1, 0, 0.0f, false},
+    {"fft", "fft", 1, 0, 0.0f, false},
+    {"splat", "splat", 1, 0, 0.0f, false},
+    {"splat group 2", "splat", 2, 0, 0.0f, false},
+    {"splat group 4", "splat", 4, 0, 0.0f, false},
+    {"splat group 8", "splat", 8, 0, 0.0f, false},
+    {"splat group 4, cluster 8", "splat", 4, 8, 0.0f, false},
+    {"splat group 4, shrink 1e-3", "splat", 4, 0, 1e-3f, false},
+    {"splat 4/8/1e-3", "splat", 4, 8, 1e-3f, false},
+    {"auto", "auto", 4, 8, 1e-3f, false},
     {0},
 };
 _Static_assert(sizeof gp_bench_techniques / sizeof *gp_bench_techniques ==
@@ -160,7 +160,7 @@ static void print_table(const struct gp_bench_table *t)
            "that later frames keep\n"
            "4/8/1e-3: --group 4 --cluster 8 --shrink 1e-3, all of Ando's "
            "techniques; FLIP: of the tone-mapped pictures\n"
-           "flare, lens: each layer against its own truth; the lens's are "
+           "angles, flare, lens: each against its own truth; the lens's are "
            "meshes twice as fine, of all ghosts\n");
 }
 

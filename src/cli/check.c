@@ -539,8 +539,6 @@ void gp_settings_point(struct gp_settings *s)
     s->plan.lens = &s->lens;
     s->plan.scene = &s->scene;
     s->plan.tone = &s->tone.map;
-    if (s->command == GP_COMMAND_BENCH) // its techniques draw one kernel
-        s->plan.projection = GLAREPP_PLANE;
 }
 
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)

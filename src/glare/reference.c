@@ -304,23 +304,32 @@ static double composite_at(const struct gp_image *f, const double *exact,
     return sum;
 }
 
+/* The pixels that pixel i of a sample stands for. */
+static double stands_for(const struct gp_image *f, const double *exact,
+                         const struct gp_glare_sample *s, size_t i)
+{
+    const size_t n = gp_image_pixels(f);
+    double y = 0.0;
+    for (size_t c = 0; c < 3; c++)
+        y += (double) f->luminance[c] * exact[c * n + i];
+    return !s || !(s->each > 0.0) || y >= (double) s->least ? 1.0 : s->each;
+}
+
 void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
                       const double *exact, const struct gp_glare_sample *sample,
                       float gain, const struct gp_sources *taken,
                       struct glarepp_errors *out)
 {
     const size_t n = gp_image_pixels(f);
-    const double each = sample && sample->each > 0.0 ? sample->each : 1.0;
-    const float least = sample ? sample->least : 0.0f;
     double weight = 0.0, off = 0.0;
     double square = 0.0, exact_square = 0.0, sum = 0.0, exact_sum = 0.0;
     double max_abs = 0.0, max_rel = 0.0, peak = 0.0;
     long long measured = 0;
     for (size_t i = 0, next = 0; i < n; i++) {
+        const double by = stands_for(f, exact, sample, i);
         for (int c = 0; c < 3 && !isnan(exact[i]); c++) {
             const double want = exact[(size_t) c * n + i];
             const double got = (double) layer->c[c][i];
-            const double by = luminance_at(f, layer, i) >= least ? 1.0 : each;
             square += by * (got - want) * (got - want);
             exact_square += by * want * want;
             max_abs = worse(max_abs, fabs(got - want));
@@ -344,7 +353,7 @@ void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
             own += y * want;
         }
         if (!isnan(exact[i])) {
-            const double by = luminance_at(f, layer, i) >= least ? 1.0 : each;
+            const double by = stands_for(f, exact, sample, i);
             weight += by;
             off += fabs(wrong) <= 5e-3 * fabs(own) ? 0.0 : by;
         }

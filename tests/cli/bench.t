@@ -187,6 +187,13 @@ b = json.load(open("t2.json"))["frames"][0]["rows"][0]["kernel_left_out"]
 print(abs(b / r["kernel_left_out"] - 1) < 1e-8)')" True \
     'a model that moves: at the time of the frame'"'"'s number and rate'
 
+GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
+    "$glarepp" bench --runs 1 -k eye --fov 90 --json a.json in.exr >out 2>err
+is "$("$python" -c 'import json
+r = {r["name"][:6]: r for r in json.load(open("a.json"))["frames"][0]["rows"]}
+a, b = r["levels"], r["plane,"]
+print(a["rel_l2"] <= a["bound"] < 1e-3 and 20 * a["rel_l2"] < b["rel_l2"], "bound" in b)')" \
+    'True False' 'what a plane leaves of true angles, and what levels do'
 run bench --runs 1 -k kernel.exr --json - in.exr
 ok '--json -: stdout is JSON alone' "$python" -m json.tool out
 run bench --runs 1 -k kernel.exr --csv - in.exr

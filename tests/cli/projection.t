@@ -131,6 +131,23 @@ END
 result $? 'light does not jump where a sun leaves the frame'
 # -- hard angles ---------------------------------------------------------------------
 
+frame nan.exr kind=nan size=96x48
+frame hot.exr seed=2 size=96x48 hot=1e9 dim=1e-3
+for how in perspective latlong fisheye equisolid; do
+    for name in nan hot; do
+        run --projection $how -k eye -t 0 --max-value 1e10 --verify --layer l.exr \
+            --report r.json $name.exr
+        is "$status $(field r.json 'o["projection"], o["measured"]["rel_l2"] <= o["bound"]')" \
+            "0 ('$how', True)" "$how: $name"
+    done
+done
+for words in 'extend --fov 60' 'mirror --fov 20' 'mirror --fov 70'; do
+    # shellcheck disable=SC2086
+    run --projection equisolid -k eye -t 0 --edges $words --verify --layer l.exr \
+        --report r.json hot.exr
+    is "$status $(field r.json 'o["measured"]["rel_l2"] <= o["bound"]')" '0 True' \
+        "a fisheye whose rim is beyond the frame: $words"
+done
 run --projection perspective --fov 0.001 --layer l.exr --report r.json in.exr
 status_is 0 'a tele lens'
 run --projection perspective --fov 179.9 --layer l.exr --report r.json in.exr
