@@ -12,7 +12,8 @@ a lone lamp is summed (auto); how many pixels are within 0.5 %; its bound; and r
 --projection plane.
 
 Then a lat-long of 2048x1024, a lamp in 12 places: the ratio to the definition that 99 % of
-the pixels from 4 rows on are within, and the light that is kept.
+the pixels from 4 rows on are within, and the light that is kept; and a lat-long cut into
+a perspective view, against the glare of that view.
 
 With FRAMES, the folder that frames.py fills, also the time of the glare stage and the
 memory by perspective over those by plane, at three angles, and those of a lat-long of
@@ -162,6 +163,60 @@ def spheres():
                    (got * solid).sum() / math.cos(w)))
 
 
+def views():
+    """A lat-long's glare as a perspective shows it, against the glare of that view."""
+    h, fov, wide, size = 1024, 40, 100, (288, 512)
+    rng = np.random.default_rng(3)
+    sphere_light = np.zeros((h, 2 * h, 3), np.float32)
+    for _ in range(40):  # lamps of 5x5 pixels before the camera
+        y, x = rng.integers(h // 3, 2 * h // 3), rng.integers(2 * h // 3, 4 * h // 3)
+        sphere_light[y:y + 5, x:x + 5] = rng.random() * 1e4
+
+    def directions(height, width, angle, parts):
+        k = 2 * math.tan(math.radians(angle / 2)) / height
+        y, x = np.mgrid[0:height * parts, 0:width * parts]
+        x, y = (((n + 0.5) / parts - m / 2) * k for n, m in ((x, width), (y, height)))
+        return np.arctan2(x, 1) * h / math.pi + h, \
+            np.arctan2(y, np.hypot(x, 1)) * h / math.pi + h / 2
+
+    with tempfile.TemporaryDirectory() as folder:
+        frame, layer = folder + "/f.pfm", folder + "/l.pfm"
+
+        def glare(image, *words):
+            write(frame, image)
+            subprocess.run([GLAREPP, "-q", "-t", "0", "--threshold-mode", "whole", "-k",
+                            "eye", "--edges", "black", "--layer", layer, *words, frame],
+                           check=True)
+            return read(layer)
+        over = [round(n * math.tan(math.radians(wide / 2)) /
+                      math.tan(math.radians(fov / 2)) / 2) * 2 for n in size]
+        angle = 2 * math.degrees(math.atan(math.tan(math.radians(fov / 2)) *
+                                           over[0] / size[0]))
+        x, y = (n.astype(int) for n in directions(*over, angle, 8))
+        seen = sphere_light[y, x].reshape(over[0], 8, over[1], 8, 3).mean((1, 3))
+        want = glare(seen, "--projection", "perspective", "--fov", str(angle))
+        top, left = ((o - n) // 2 for o, n in zip(over, size))
+        want, lit = (a[top:top + size[0], left:left + size[1]] for a in (want, seen))
+        got = glare(sphere_light, "--projection", "latlong")
+        x, y = (n - 0.5 for n in directions(*size, fov, 1))
+        i, j = np.floor(x).astype(int), np.floor(y).astype(int)
+        x, y = x - i, y - j
+        got = (1 - y) * ((1 - x) * got[j, i] + x * got[j, i + 1]) + \
+            y * ((1 - x) * got[j + 1, i] + x * got[j + 1, i + 1])
+        lit = lit[:, :, 1] > 0
+        near = lit.copy()
+        for _ in range(12):  # pixels around lamps, which both round to their own
+            near[1:] |= near[:-1].copy()
+            near[:-1] |= near[1:].copy()
+            near[:, 1:] |= near[:, :-1].copy()
+            near[:, :-1] |= near[:, 1:].copy()
+        off = (got - want)[~near]
+        print("lat-long cut into a view of %g degrees, 12 pixels and more from lamps: "
+              "rel_l2 %.1e, 95 %% of pixels within %.2f %%" %
+              (fov, math.sqrt((off ** 2).sum() / (want[~near] ** 2).sum()),
+               100 * np.quantile(abs(off) / want[~near], 0.95)))
+
+
 def speed_row(folder, frames, fov, way, runs, *head):
     """Prints times of a projection over the plane's, runs in turn."""
     rows = {"plane": [], way: []}
@@ -215,6 +270,7 @@ def speeds(frames):
 if __name__ == "__main__":
     main()
     spheres()
+    views()
     if len(sys.argv) > 2:
         speeds(sys.argv[2])
         sphere_speeds()
