@@ -21,10 +21,14 @@
  * even, so that no edge shows:
  *   10 / t^3 + (5 / t^2 + 0.1 p / t) (1 + (A/62.5)^4) + 0.0025 p
  *
- * The total is divided by its integral over the hemisphere; the general one
- * is the scattered light only, and the rest of 1 stays in its pixel. */
+ * Both are absolute. The general one is the scattered light only, and the rest of 1
+ * stays in its pixel. The total adds up to 1.03 at 35 years, 1.2 at 85 with light eyes:
+ * what is over 1 comes out of its peaks A / (1 + (t/a)^2)^1.5, of the narrow one first. A
+ * peak of width a / (1 - e) and height A (1 - e)^3 has a share e less of light, and the
+ * same A a^3 / t^3 farther out. */
 struct cie {
-    double age, pigment, factor;
+    double age, pigment;
+    double less[2]; // e of both peaks
     bool general;
 };
 
@@ -35,15 +39,24 @@ double gp_cie_general(double age, double p, double t)
            0.0025 * p;
 }
 
-static double cie_total(double age, double p, double t)
+/* Peak i of the total. */
+static double cie_peak(const struct cie *e, int i, double t)
 {
-    const double a = age / 70.0, a4 = a * a * a * a;
-    const double x = 1.0 + t * t / (0.0046 * 0.0046);
-    const double y = 1.0 + t * t / (0.045 * 0.045);
+    static const double height[2] = {9.2e6, 1.5e5}, width[2] = {0.0046, 0.045};
+    const double a = e->age / 70.0, left = 1.0 - e->less[i];
+    const double u = t * left / width[i], x = 1.0 + u * u;
+    return (1.0 - 0.08 * a * a * a * a) * height[i] * left * left * left /
+           (x * sqrt(x));
+}
+
+static double cie_total(const struct cie *e, double t)
+{
+    const double a = e->age / 70.0, p = e->pigment;
     const double z = 1.0 + t * t / (0.1 * 0.1), root = sqrt(z);
-    return (1.0 - 0.08 * a4) * (9.2e6 / (x * sqrt(x)) + 1.5e5 / (y * sqrt(y))) +
-           (1.0 + 1.6 * a4) * (400.0 / z + 3e-8 * t * t +
-                               p * (1300.0 / (z * root) + 0.8 / root)) +
+    return cie_peak(e, 0, t) + cie_peak(e, 1, t) +
+           (1.0 + 1.6 * a * a * a * a) *
+               (400.0 / z + 3e-8 * t * t +
+                p * (1300.0 / (z * root) + 0.8 / root)) +
            2.5e-3 * p;
 }
 
@@ -51,14 +64,19 @@ static const double CIE_NEAREST = 0.1; // degrees
 
 static double cie_sky(const struct cie *e, double t)
 {
-    return e->factor * (e->general ? gp_cie_general(e->age, e->pigment,
-                                                    fmax(t, CIE_NEAREST))
-                                   : cie_total(e->age, e->pigment, t));
+    return e->general ? gp_cie_general(e->age, e->pigment, fmax(t, CIE_NEAREST))
+                      : cie_total(e, t);
 }
 
 static void cie_profile(const void *ctx, double t, double out[3])
 {
     out[0] = gp_plane_factor(t) * cie_sky(ctx, t);
+}
+
+static void peak_profile(const void *ctx, double t, double out[3])
+{
+    for (int i = 0; i < 2; i++)
+        out[i] = gp_plane_factor(t) * cie_peak(ctx, i, t);
 }
 
 enum { TOTAL, GENERAL };
@@ -76,26 +94,30 @@ static const struct gp_model_key cie_keys[] = {
     {0},
 };
 
-/* *light: the integral that the factor is to make 1. */
+/* *light: its integral. */
 static struct cie cie_of(const struct gp_recipe *r, double *light)
 {
+    static const double MOST = 0.9; // of a peak's light
     struct cie e = {
         .age = gp_recipe_value(r, "age"),
-        .factor = 1.0,
         .pigment = gp_recipe_value(r, "pigment"),
         .general = (int) gp_recipe_value(r, "equation") == GENERAL,
     };
-    double sum[3];
+    double sum[3], peak[3];
     gp_profile_integral(cie_profile, &e, 1, 0.0, 90.0, sum);
-    if (!e.general)
-        e.factor = 1.0 / sum[0];
+    gp_profile_integral(peak_profile, &e, 2, 0.0, 90.0, peak);
+    for (int i = 0; i < 2 && !e.general; i++) {
+        e.less[i] = fmin((sum[0] - 1.0) / peak[i], MOST);
+        sum[0] -= e.less[i] * peak[i];
+    }
     *light = sum[0];
     return e;
 }
 
 static double cie_light(const struct gp_angular *a, double t)
 {
-    return cie_sky(&(struct cie) {a->v[0], a->v[1], a->v[2], a->v[3] > 0.0}, t);
+    const struct cie e = {a->v[0], a->v[1], {a->v[2], a->v[3]}, a->v[4] > 0.0};
+    return cie_sky(&e, t);
 }
 
 static bool cie_angular(const struct gp_recipe *r, const struct gp_field *f,
@@ -106,7 +128,7 @@ static bool cie_angular(const struct gp_recipe *r, const struct gp_field *f,
     (void) f;
     *out = (struct gp_angular) {
         .light = cie_light,
-        .v = {e.age, e.pigment, e.factor, e.general},
+        .v = {e.age, e.pigment, e.less[0], e.less[1], e.general},
         .stays = e.general ? 1.0 - sum : 0.0,
         .bends = e.general ? CIE_NEAREST : 0.0,
     };

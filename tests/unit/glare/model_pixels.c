@@ -12,7 +12,7 @@ static const struct {
     double out, within; // relative error of a share
 } forms[] = {
     {"spencer", 7e-4, 1e-4},
-    {"cie", 1.2e-3, 1e-4},
+    {"cie", 1.3e-3, 1e-4},
     {"cie:share=1,equation=general", 1.4e-3, 1e-4},
     {"aperture:share=1,wavelengths=3,pupil=0.1,reach=4", 0.031, 3e-3},
     {"temporal:wavelengths=3,pupil=1,reach=1", 0.03, 3e-3},
