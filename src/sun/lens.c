@@ -238,8 +238,7 @@ static double index_at(const struct gp_lens *lens, int i, double nm)
                                         nm);
 }
 
-/* Returns the share that surface i reflects on the axis. */
-static double reflected(const struct gp_lens *lens, int i, double nm)
+double gp_lens_axial(const struct gp_lens *lens, int i, double nm)
 {
     return gp_lens_reflectance(index_at(lens, i, nm),
                                index_at(lens, i + 1, nm), 1.0,
@@ -380,7 +379,7 @@ double gp_lens_measure(const struct gp_lens *lens, struct glarepp_lens *out)
         const double height = fabs(to.b - to.a * s.b / s.a); // at slope 1
         if (i != lens->stop && height * field > lens->at[i].semi)
             field = lens->at[i].semi / height;
-        out->through *= 1.0 - reflected(lens, i, GP_D_LINE);
+        out->through *= 1.0 - gp_lens_axial(lens, i, GP_D_LINE);
     }
     out->height = isfinite(field) ? out->focal * field : 0.0;
     return all.b - all.a * pupil_at;
@@ -399,7 +398,7 @@ static struct glarepp_ghost ghost_of(const struct gp_lens *lens, int first,
     gp_lens_path(lens, first, second, &path);
     for (int k = 0; k < path.steps; k++) {
         const int i = path.step[k].surface;
-        const double semi = lens->at[i].semi, r = reflected(lens, i, nm);
+        const double semi = lens->at[i].semi, r = gp_lens_axial(lens, i, nm);
         m = times(of_step(lens, &path, k, nm), m);
         // else parallel light that all passes
         if (fabs(m.a) * 1e6 > semi && semi / fabs(m.a) < g.radius) {

@@ -84,6 +84,9 @@ double gp_lens_index(double n, double v, double nm);
 double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
                            double nm);
 
+/* Returns the share that surface i reflects on the axis. */
+double gp_lens_axial(const struct gp_lens *lens, int i, double nm);
+
 /* Focuses: sets the last gap so that an object at `distance` mm before the
  * first surface (INFINITY: far) is sharp, and closes the stop to f_number where
  * that is over 0 and over the lens's own. Errors: GP_ERR_USAGE no image of such

@@ -30,10 +30,6 @@ static void lagrange(double nm, double out[GP_LENS_NODES])
     }
 }
 
-/* A coat's reflectance goes
- * with the square of the distance, in 1 / nm, to its own wavelength, and that
- * of two surfaces with the fourth power: it is the root that Lagrange's
- * polynomial follows. */
 void gp_lens_light_of(const struct gp_lens_band *b,
                       const double root[GP_LENS_NODES], double out[3])
 {
@@ -43,41 +39,74 @@ void gp_lens_light_of(const struct gp_lens_band *b,
             for (int k = 0; k < GP_LENS_NODES; k++)
                 sum += b->light[c][i][k] * root[i] * root[k];
         }
-        out[c] = gp_maxd(sum, 0.0);
+        out[c] = sum;
     }
 }
 
-void gp_lens_bands_make(const float *chromaticities,
-                        const double image[GP_LENS_NODES],
-                        struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS])
+void gp_lens_spectrum_make(const float *chromaticities,
+                           const double image[GP_LENS_NODES],
+                           struct gp_lens_spectrum *out)
 {
-    double nm[GP_LENS_BANDS], rgb[GP_LENS_BANDS][3];
-    gp_spectrum_weights(chromaticities, GP_LENS_BANDS, nm, rgb);
-    for (int s = 0; s < GP_LENS_SETS; s++) {
-        const int each = GP_LENS_BANDS / bands_of_set[s];
-        for (int b = 0; b < bands_of_set[s]; b++) {
-            struct gp_lens_band *const out = &band[s][b];
-            double sum = 0.0, middle = 0.0;
-            *out = (struct gp_lens_band) {0};
-            for (int i = b * each; i < (b + 1) * each; i++) {
-                double at[GP_LENS_NODES], root = 0.0;
-                // no curve is followed below the least light that an eye sees
-                lagrange(fmin(fmax(nm[i], 420.0), 680.0), at);
-                for (int k = 0; k < GP_LENS_NODES; k++)
-                    root += at[k] * sqrt(image[k]);
-                for (int c = 0; c < 3; c++) {
-                    for (int k = 0; k < GP_LENS_NODES * GP_LENS_NODES; k++)
-                        out->light[c][k / GP_LENS_NODES][k % GP_LENS_NODES] +=
-                            rgb[i][c] * at[k / GP_LENS_NODES] *
-                            at[k % GP_LENS_NODES] / (root * root);
-                    sum += fabs(rgb[i][c]);
-                    middle += fabs(rgb[i][c]) * nm[i];
-                }
+    gp_spectrum_colours(chromaticities, GP_LENS_PARTS, out->nm, out->rgb);
+    for (int i = 0; i < GP_LENS_PARTS; i++) {
+        double root = 0.0;
+        lagrange(out->nm[i], out->at[i]);
+        for (int k = 0; k < GP_LENS_NODES; k++)
+            root += out->at[i][k] * sqrt(image[k]);
+        for (int c = 0; c < 3; c++)
+            out->rgb[i][c] /= root * root;
+    }
+}
+
+/* The reflectance of a coat goes with the square of the distance, in 1 / nm, to its own
+ * wavelength, and that of two surfaces with the fourth power: it is the root that
+ * Lagrange's polynomial follows from node to node. What this misses, mostly in the violet
+ * and of coats of several layers, is known on the axis, and is as much of all rays. */
+void gp_lens_pair_make(const struct gp_lens_spectrum *s,
+                       const struct gp_lens *lens,
+                       const struct glarepp_ghost *g, struct gp_lens_pair *out)
+{
+    double root[GP_LENS_NODES], all = 0.0;
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        root[k] = sqrt(gp_lens_axial(lens, g->first, gp_lens_node[k]) *
+                       gp_lens_axial(lens, g->second, gp_lens_node[k]));
+        all += root[k];
+    }
+    for (int i = 0; i < GP_LENS_PARTS; i++) {
+        double sum = 0.0;
+        for (int k = 0; k < GP_LENS_NODES; k++)
+            sum += s->at[i][k] * root[k];
+        const double missed = gp_lens_axial(lens, g->first, s->nm[i]) *
+                                  gp_lens_axial(lens, g->second, s->nm[i]) -
+                              sum * sum;
+        out->missed[i] = all > 0.0 ? missed / (all * all) : 0.0;
+    }
+}
+
+void gp_lens_bands_make(const struct gp_lens_spectrum *s,
+                        const struct gp_lens_pair *pair, int set,
+                        struct gp_lens_band *band)
+{
+    const int each = GP_LENS_PARTS / bands_of_set[set];
+    for (int b = 0; b < bands_of_set[set]; b++) {
+        struct gp_lens_band *const out = &band[b];
+        double sum = 0.0, middle = 0.0;
+        *out = (struct gp_lens_band) {0};
+        for (int i = b * each; i < (b + 1) * each; i++) {
+            const double *const at = s->at[i];
+            for (int c = 0; c < 3; c++) {
+                for (int k = 0; k < GP_LENS_NODES * GP_LENS_NODES; k++)
+                    out->light[c][k / GP_LENS_NODES][k % GP_LENS_NODES] +=
+                        s->rgb[i][c] *
+                        (at[k / GP_LENS_NODES] * at[k % GP_LENS_NODES] +
+                         pair->missed[i]);
+                sum += fabs(s->rgb[i][c]);
+                middle += fabs(s->rgb[i][c]) * s->nm[i];
             }
-            // places, of Cauchy's index, are followed further: all violet at
-            // the place of one wavelength would be a ring
-            lagrange(fmin(fmax(middle / sum, 390.0), 720.0), out->of_node);
         }
+        // places, of Cauchy's index, are followed further: all violet at
+        // the place of one wavelength would be a ring
+        lagrange(fmin(fmax(middle / sum, 390.0), 720.0), out->of_node);
     }
 }
 
@@ -240,6 +269,7 @@ struct gp_lens_rays {
     uint8_t set[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // of cells; 0: none
     bool arrives[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
     bool clear[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
+    struct gp_lens_band band[GP_LENS_PARTS]; // of a set
     // of cells, with a dark one more on each side
     double density[(GP_LENS_CELLS + 2) * (GP_LENS_CELLS / 2 + 2)][3];
 };
@@ -336,15 +366,16 @@ static void add_piece(const struct gp_lens_cover *k, int n,
 }
 
 /* Adds the part of a cell that rims and blades leave, with light a mm^2 before
- * the lens: `light` is the cell's mean, whose sum the corners' `through` is. */
+ * the lens: `light` is the cell's mean, over which it goes as `through`. */
 static void add_cell(const struct gp_lens_cover *k,
                      const struct gp_lens_item *it,
                      union gp_lens_corner c[GP_LENS_CORNERS],
                      const double light[3])
 {
+    double area = 0.0, through = 0.0, all = 0.0, own[3];
+    for (int i = 0; i < 4; i++)
+        all += 0.25 * c[i].through;
     const int n = gp_lens_cut(&it->blades, it->mesh.passes, c);
-    const double all = light[0] + light[1] + light[2];
-    double area = 0.0, through = 0.0, own[3];
     for (int i = 0; i < n; i++) {
         const union gp_lens_corner *const b = &c[i + 1 < n ? i + 1 : 0];
         area += 0.5 * (c[i].p * b->q - b->p * c[i].q);
@@ -430,13 +461,11 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                 continue;
             union gp_lens_corner c[GP_LENS_CORNERS];
             for (int e = 0; e < 4; e++) {
-                const double *const own = rays->light[at[e]];
                 c[e] = gp_lens_corner_of(
                     &hit[at[e]], m->x0 + dx * (i + (e == 1 || e == 2)),
                     dy * (j + (e >= 2)), sign);
                 c[e].x = p[e][0];
                 c[e].y = p[e][1];
-                c[e].through = own[0] + own[1] + own[2];
             }
             add_cell(k, it, c, light);
         }
@@ -461,9 +490,9 @@ gp_status gp_lens_rays_make(struct gp_lens_rays **out)
 }
 
 void gp_lens_item_draw(const struct gp_lens_item *it,
-    struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS],
-    const struct gp_lens_steps *steps, int top, int end,
-    struct gp_lens_rays *rays)
+                       const struct gp_lens_spectrum *spectrum,
+                       const struct gp_lens_steps *steps, int top, int end,
+                       struct gp_lens_rays *rays)
 {
     const struct gp_lens_mesh *const m = &it->mesh;
     const double step = steps->step;
@@ -482,8 +511,10 @@ void gp_lens_item_draw(const struct gp_lens_item *it,
     const unsigned sets = find_cells(it, (top - 1.0) * step,
                                      (end - 1.0) * step, rays);
     for (int set = 0; set < GP_LENS_SETS; set++) {
+        if (sets >> set & 1)
+            gp_lens_bands_make(spectrum, it->pair, set, rays->band);
         for (int b = 0; sets >> set & 1 && b < bands_of_set[set]; b++) {
-            make_rays(it, set, &band[set][b], step, scale, rays);
+            make_rays(it, set, &rays->band[b], step, scale, rays);
             draw_half(it, rays, 0, set, &k);
             draw_half(it, rays, 1, set, &k);
         }

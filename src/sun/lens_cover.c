@@ -3,6 +3,7 @@
  * and running sums along rows make pixels of it. */
 #include "sun/lens_priv.h"
 
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -156,12 +157,13 @@ static void spline(double off, double weight[3])
 struct adding {
     const struct gp_lens_steps *steps; // GP_LENS_LEVELS
     int w;
+    const float *luminance;
     struct gp_planes *layer;
 };
 
-/* Adds steps to a row of the layer, smooth between them. */
+/* Adds steps to a row of pixels, smooth between them. */
 static void add_level(const struct adding *a, const struct gp_lens_steps *s,
-                      int y, double *row)
+                      int y, double *row, double *to)
 {
     const int stride = 3 * (s->w + 2);
     const double v = (y + 0.5) / s->step + 0.5;
@@ -176,16 +178,12 @@ static void add_level(const struct adding *a, const struct gp_lens_steps *s,
     for (int x = 0; x < a->w; x++) {
         const double u = (x + 0.5) / s->step + 0.5;
         const int i = (int) (u + 0.5);
-        const size_t pixel = (size_t) y * (size_t) a->w + (size_t) x;
         if (s->step > 1)
             spline(u - i, across);
         for (int c = 0; c < 3; c++) {
             const double *const p = row + 3 * i + c;
-            const double sum = across[0] * p[-3] + across[1] * p[0] +
-                               across[2] * p[3];
-            // running sums leave a rounding error of 0
-            if (sum > 1e-30)
-                a->layer->c[c][pixel] += (float) sum;
+            to[3 * x + c] +=
+                across[0] * p[-3] + across[1] * p[0] + across[2] * p[3];
         }
     }
 }
@@ -193,22 +191,34 @@ static void add_level(const struct adding *a, const struct gp_lens_steps *s,
 static gp_status add_row(void *ctx, int y, int thread)
 {
     const struct adding *const a = ctx;
+    const size_t room = 3 * ((size_t) a->w + 4);
     double *row;
-    const gp_status st = gp_alloc(NULL, "row", 3 * ((size_t) a->w + 4),
-                                  sizeof *row, &row);
+    const gp_status st =
+        gp_alloc_zero(NULL, "row", 2 * room, sizeof *row, &row);
+    double *const sum = row + room;
     (void) thread;
     for (int l = 0; l < GP_LENS_LEVELS && !st; l++) {
         if (a->steps[l].v)
-            add_level(a, &a->steps[l], y, row);
+            add_level(a, &a->steps[l], y, row, sum);
+    }
+    for (int x = 0; x < a->w && !st; x++) {
+        gp_gamut_fold(a->luminance, sum + 3 * x);
+        for (int c = 0; c < 3; c++) {
+            // running sums leave a rounding error of 0
+            if (sum[3 * x + c] > 1e-30)
+                a->layer->c[c][(size_t) y * (size_t) a->w + (size_t) x] +=
+                    (float) sum[3 * x + c];
+        }
     }
     gp_free(row);
     return st;
 }
 
 gp_status gp_lens_steps_add(struct gp_lens_steps steps[GP_LENS_LEVELS], int w,
-                            int h, struct gp_planes *layer)
+                            int h, const float luminance[3],
+                            struct gp_planes *layer)
 {
-    struct adding a = {steps, w, layer};
+    struct adding a = {steps, w, luminance, layer};
     for (int l = 0; l < GP_LENS_LEVELS; l++) {
         if (steps[l].v)
             gp_parallel_do(steps[l].h, sum_row, &steps[l]);

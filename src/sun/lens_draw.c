@@ -136,7 +136,8 @@ struct drawing {
     struct rank rank[GP_LENS_GHOSTS], *kept; // kept: those that are drawn
     int kept_n, first; // of the chunk: light * kept_n + ghost
     double scale;      // mm on the sensor for a slope of 1
-    struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS];
+    struct gp_lens_spectrum spectrum;
+    struct gp_lens_pair pair[GP_LENS_GHOSTS];
     struct gp_lens_steps level[GP_LENS_LEVELS];
     struct gp_lens_item item[CHUNK];
     int items;
@@ -170,12 +171,15 @@ static void rank_ghost(struct drawing *d, int i, const double light[3])
                          (double) gp_rect_h(v->frame);
     struct rank *const rank = &d->rank[i];
     double root[GP_LENS_NODES], all[3];
+    struct gp_lens_band band;
+    gp_lens_pair_make(&d->spectrum, d->lens, g, &d->pair[i]);
+    gp_lens_bands_make(&d->spectrum, &d->pair[i], 0, &band);
     rank->norm = sqrt(fmin(pixels, frame)) / pixels;
     rank->pixels = pixels;
     rank->ghost = i;
     for (int k = 0; k < GP_LENS_NODES; k++)
         root[k] = sqrt(rank->through[k] * disc);
-    gp_lens_light_of(&d->band[0][0], root, rank->share);
+    gp_lens_light_of(&band, root, rank->share);
     for (int c = 0; c < 3; c++)
         all[c] = light[c] * rank->share[c];
     rank->bright = gp_luminance_of(v->luminance, all) / pixels;
@@ -259,6 +263,7 @@ static gp_status trace_item(void *ctx, int i, int thread)
     struct gp_lens_path path;
     (void) thread;
     *it = (struct gp_lens_item) {
+        .pair = &d->pair[rank->ghost],
         .u = away / d->scale,
         .level = -1,
         .blades = gp_lens_blades_of(d->lens, gp_atan2(turn[1], turn[0])),
@@ -300,7 +305,7 @@ static gp_status draw_rows(void *ctx, int strip, int thread)
         const int top = strip == 0 ? 0 : strip * STRIP_ROWS / a->step + 1;
         const int end = strip == last ? a->h
                                      : (strip + 1) * STRIP_ROWS / a->step + 1;
-        gp_lens_item_draw(it, d->band, a, top, end, rays);
+        gp_lens_item_draw(it, &d->spectrum, a, top, end, rays);
     }
     gp_free(rays);
     return st;
@@ -338,11 +343,13 @@ static gp_status run_chunk(struct drawing *d, struct glarepp_lens_facts *stats)
         struct gp_lens_item *const it = &d->item[i];
         if (!st && it->mesh.cells) {
             double own[3], root[GP_LENS_NODES], arrives = 0.0;
+            struct gp_lens_band band;
             for (int k = 0; k < GP_LENS_NODES; k++) {
                 root[k] = sqrt(it->mesh.flux[k]);
                 arrives += it->mesh.flux[k] / GP_LENS_NODES;
             }
-            gp_lens_light_of(&d->band[0][0], root, own);
+            gp_lens_bands_make(&d->spectrum, it->pair, 0, &band);
+            gp_lens_light_of(&band, root, own);
             for (int c = 0; c < 3; c++)
                 stats->light[c] += own[c] *= it->flux[c];
             if (arrives > 0.0)
@@ -371,7 +378,7 @@ static gp_status measure_image(const struct gp_log *log, struct drawing *d)
     d->scale = gp_lens_measure(d->lens, &figures);
     const bool lit = mesh.cells && d->scale > 0.0 && d->scale < 1e9;
     if (!st && lit)
-        gp_lens_bands_make(d->view->chromaticities, mesh.flux, d->band);
+        gp_lens_spectrum_make(d->view->chromaticities, mesh.flux, &d->spectrum);
     gp_lens_mesh_free(&mesh);
     return st || lit ? st : gp_fail_at(log, GP_ERR_DATA, "lens.lens.dark",
                                        "%s: no light reaches its image",
@@ -400,7 +407,7 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
             GP_TRY(gp_no_memory(log, "ghosts"));
     }
     if (gp_lens_steps_add(d->level, gp_rect_w(view->frame),
-                          gp_rect_h(view->frame), layer))
+                          gp_rect_h(view->frame), view->luminance, layer))
         GP_TRY(gp_no_memory(log, "ghosts"));
     const double light_sum = gp_luminance_of(view->luminance, stats.light);
     stats.lost = stats.lost > 0.0 ? stats.lost / (stats.lost + light_sum) : 0.0;

@@ -144,17 +144,18 @@ struct gp_lens_steps {
 };
 enum { GP_LENS_LEVELS = 5 }; // 1, 2, 4, 8 and 16 pixels a step
 
-/* Sums up the rows of all levels, and adds them to a layer of w x h. */
-GP_MUST_CHECK gp_status gp_lens_steps_add(
-    struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
-    struct gp_planes *layer);
+/* Sums up the rows of all levels, folds each pixel's colour into the gamut, and adds them
+ * to a layer of w x h. */
+GP_MUST_CHECK gp_status
+gp_lens_steps_add(struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
+                  const float luminance[3], struct gp_planes *layer);
 
 // -- ghosts by cells and parts of the spectrum (lens_cells.c, lens_draw.c) ----
 
 enum {
     GP_LENS_SETS = 7,        // of bands
     GP_LENS_SETS_COARSE = 5, // that many lights have
-    GP_LENS_BANDS = 96,      // most of a set
+    GP_LENS_PARTS = 96,      // of the spectrum, most bands of a set
 };
 
 /* Wavelengths in nm that the rays have: of blue, green and red. */
@@ -166,6 +167,18 @@ extern const double gp_lens_node[GP_LENS_NODES];
 struct gp_lens_band {
     double of_node[GP_LENS_NODES];
     double light[3][GP_LENS_NODES][GP_LENS_NODES];
+};
+
+/* Parts of the spectrum: how the nodes make each (Lagrange), and its light by channel, over
+ * that of the image on the axis. Colours are not folded into the gamut: a sum of them is. */
+struct gp_lens_spectrum {
+    double nm[GP_LENS_PARTS], at[GP_LENS_PARTS][GP_LENS_NODES];
+    double rgb[GP_LENS_PARTS][3];
+};
+
+/* What the nodes miss of the light of two surfaces in each part, of that of all nodes. */
+struct gp_lens_pair {
+    double missed[GP_LENS_PARTS];
 };
 
 /* A cell in the frame: the rows of the layer that its light may meet. */
@@ -182,6 +195,7 @@ struct gp_lens_item {
     double along[2], aside[2], middle[2]; // pixels of the layer: of a mm along
                                           // and across the light's axis, and
                                           // of the lens's axis
+    const struct gp_lens_pair *pair;      // borrowed
     int level;         // of its step; negative: no cell is in the frame
     struct gp_lens_cell cell[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // halves
 };
@@ -190,12 +204,22 @@ struct gp_lens_item {
 struct gp_lens_rays;
 GP_MUST_CHECK gp_status gp_lens_rays_make(struct gp_lens_rays **out);
 
-/* Makes all sets of bands.
+/* Makes the spectrum.
  *   chromaticities  8, of the frame
  *   image           light of the image on the axis at each node */
-void gp_lens_bands_make(const float *chromaticities,
-                        const double image[GP_LENS_NODES],
-                        struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS]);
+void gp_lens_spectrum_make(const float *chromaticities,
+                           const double image[GP_LENS_NODES],
+                           struct gp_lens_spectrum *out);
+
+/* Measures the pair of surfaces of a ghost. */
+void gp_lens_pair_make(const struct gp_lens_spectrum *s,
+                       const struct gp_lens *lens,
+                       const struct glarepp_ghost *g, struct gp_lens_pair *out);
+
+/* Makes the bands of a set; set 0 is one band. */
+void gp_lens_bands_make(const struct gp_lens_spectrum *s,
+                        const struct gp_lens_pair *pair, int set,
+                        struct gp_lens_band *band);
 
 /* Sets each channel's light from the square roots of that at the nodes. */
 void gp_lens_light_of(const struct gp_lens_band *b,
@@ -209,8 +233,8 @@ void gp_lens_item_place(const struct gp_lens_view *v, double blur,
 
 /* Draws an item into rows [top, end) of the steps of its level. */
 void gp_lens_item_draw(const struct gp_lens_item *it,
-    struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS],
-    const struct gp_lens_steps *steps, int top, int end,
-    struct gp_lens_rays *rays);
+                       const struct gp_lens_spectrum *spectrum,
+                       const struct gp_lens_steps *steps, int top, int end,
+                       struct gp_lens_rays *rays);
 
 #endif
