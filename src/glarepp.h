@@ -842,6 +842,8 @@ struct glarepp_scene_facts {
     const char *camera;         // of the scene, where the frame has none
     bool compared;              // both have one,
     double apart;               // pixels between them
+    double sun_degrees;         // of the first sun, and
+    const char *sun_from;       // "scene" or "option"; NULL: no sun
 };
 
 struct glarepp_relit {

@@ -104,6 +104,14 @@ void gp_api_scene_end(struct gp_api_scene **scene)
 
 // -- a frame's lights ---------------------------------------------------------
 
+/* Tests whether a sun has the scene's own size: it says one, and no option does. */
+static bool gives_size(const struct glarepp_plan *plan,
+                       const struct gp_scene_light *l)
+{
+    static const struct glarepp_light_params usual = GLAREPP_LIGHT_PARAMS;
+    return l->degrees > 0.0 && plan->sun.degrees == usual.degrees;
+}
+
 /* Light of the scene as one of the frame. Its flux is that of a disc as bright
  * as the light: a lamp's intensity over pi r^2, a sun's illuminance over the
  * disc's solid angle, times the disc's pixels. */
@@ -117,7 +125,8 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     const struct gp_v3 at = sun ? to : l->at;
     spec.place = sun ? GLAREPP_DIRECTION : GLAREPP_WORLD;
     memcpy(spec.at, (double[3]) {at.x, at.y, at.z}, sizeof spec.at);
-    spec.degrees = (double) plan->sun.degrees;
+    spec.degrees = gives_size(plan, l) ? l->degrees
+                                       : (double) plan->sun.degrees;
     spec.ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size;
     memcpy(spec.name, l->name, sizeof spec.name);
     // of half the angle that the disc is seen under
@@ -274,9 +283,16 @@ gp_status gp_api_pose(struct glarepp_frame *f)
         return st;
     const struct gp_camera *const c =
         own->has_camera ? &own->frame_camera : NULL;
-    for (int i = 0; i < own->scene.lights; i++)
-        own->light[i] = spec_of(f->plan, &own->scene.light[i], c,
-                               f->image.display);
+    for (int i = 0; i < own->scene.lights; i++) {
+        const struct gp_scene_light *const l = &own->scene.light[i];
+        if (l->kind == GP_LIGHT_DIRECTIONAL && !f->facts.scene.sun_from) {
+            const bool own_size = gives_size(f->plan, l);
+            f->facts.scene.sun_from = own_size ? "scene" : "option";
+            f->facts.scene.sun_degrees =
+                own_size ? l->degrees : (double) f->plan->sun.degrees;
+        }
+        own->light[i] = spec_of(f->plan, l, c, f->image.display);
+    }
     f->work->lights->suns.more = (struct gp_suns_more) {
         .light = own->light, .lights = own->scene.lights, .camera = c,
     };

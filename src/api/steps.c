@@ -327,7 +327,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
     const struct gp_api_lights *const lights = f->work->lights;
     struct gp_kernel_use use, other;
     gp_status st;
-    if (!f->sources.n && !(lights && gp_suns_have_light(&lights->suns, false)))
+    if (!f->sources.n && !(lights && gp_suns_have_light(&lights->suns, true)))
         return GP_OK;
     struct gp_field field = gp_api_field(f);
     gp_api_field_reach(f, &field);

@@ -96,6 +96,8 @@ struct gp_scene_light {
     double inner, outer;   // half angles of a spot, radians
     double ball;           // radius of its lamp, extras.ball_radius; 0: not
                            // given
+    double degrees;        // that a sun is wide, of extras.angle_deg or
+                           // extras.angle, radians; 0: not given
     int node;
     char name[GP_SCENE_NAME]; // of the node, else of the light
 };

@@ -326,12 +326,27 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
 
 // -- visibility ---------------------------------------------------------------
 
+/* Tests whether a light's disc may have a part in the frame. */
+static bool is_seen(const struct gp_light *l, struct gp_rect frame)
+{
+    const double q = gp_light_stretch(l), u = l->radius * q + 1.0,
+                 v = l->radius / q + 1.0;
+    return l->x + u > frame.x0 && l->x - u < frame.x1 && l->y + v > frame.y0 &&
+           l->y - v < frame.y1;
+}
+
 gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
 {
     const struct glarepp_light_params *const p = suns->p;
     if (!suns->n)
         return GP_OK;
-    if (p->method == GLAREPP_EXACT) {
+    // closed forms where no channel can hide any
+    bool hides = false;
+    for (int i = 0; i < suns->n; i++)
+        hides |= (suns->occluders.depth || suns->occluders.mask) &&
+                 !suns->light[i].behind &&
+                 is_seen(&suns->light[i], suns->occluders.frame);
+    if (p->method == GLAREPP_EXACT || !hides) {
         gp_sun_exact(&suns->occluders, p->outside, suns->light, suns->n);
         return GP_OK;
     }

@@ -92,8 +92,13 @@ static void lights_have_the_defaults_of_their_extension(void **state)
                  ", {'name': 'a', 'extensions': {'KHR_lights_punctual': {'light"
                  "': 0}}}, {'name': 'b', 'extensions': {'KHR_lights_punctual': "
                  "{'light': 1}}, 'rotation': [0, 1, 0, 0]}, {'extensions': {"
-                 "'KHR_lights_punctual': {'light': 2}}}]"), GLAREPP_UP_Y);
-    assert_int_equal(s.lights, 4);
+                 "'KHR_lights_punctual': {'light': 2}}}, {'extensions': {"
+                 "'KHR_lights_punctual': {'light': 2}}, 'extras': {'angle_deg'"
+                 ": 0.53}}, {'extensions': {'KHR_lights_punctual': {'light': 2"
+                 "}}, 'extras': {'angle': 0.01}}]"), GLAREPP_UP_Y);
+    assert_int_equal(s.lights, 6);
+    assert_true(s.light[3].degrees == 0.0 && s.light[4].degrees == 0.53);
+    assert_true(fabs(s.light[5].degrees - 0.5729578) < 1e-6);
     assert_int_equal(s.light[0].kind, GP_LIGHT_POINT);
     assert_string_equal(s.light[0].name, "bulb"); // the light's: no node's name
     assert_string_equal(s.light[1].name, "a");
