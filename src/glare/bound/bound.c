@@ -280,8 +280,10 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     const double far = req->far ? gp_far_error_of(req->far)->norm : 0.0;
     const double wrong = // the far field's error: of sources' light
         far * sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
+    const double outer = k->sky ? gp_sky_error_of(k->sky)->outside : 0.0;
     const double beyond = // and of light from beyond the border
-        far * gp_beyond_most(req->beyond) * sqrt(3.0 * src->w * src->h);
+        (far + outer) * gp_beyond_most(req->beyond) *
+        sqrt(3.0 * src->w * src->h);
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
     double least = 0.0; // lower limit of the layer's norm; cheap ways first
     *floor = 0.0;

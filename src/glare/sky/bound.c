@@ -11,7 +11,9 @@
  * and eps in their images, they lose 1 - k^2 and add k eps + eps^2 of it (far_field's
  * add.c has the same). Levels err at frequencies an octave apart, so that their norms
  * add up as squares, nearly (Cotlar and Stein). As no light is negative, no frequency
- * has more of it than 0 has, where levels keep all. */
+ * has more of it than 0 has, where levels keep all. A lamp has as much of all: its error
+ * is a norm over that of all weights. The larger of both counts: that of a lamp where
+ * light is even within many pixels, as in narrow fields. */
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -86,10 +88,16 @@ static double flat_term(const struct gp_sky *s, int l, double side,
     return gp_sky_soft_term(s, l, side, chord * chord);
 }
 
-/* The norm of the error of a level at a place. Of the last one, whose term has no end,
+/* Errors of light that is even but for one frequency, and of a lamp. */
+struct errors {
+    double even, lamp;
+};
+
+/* The norms of the error of a level at a place. Of the last one, whose term has no end,
  * as if others came after it, and these: each is under .75 of the
  * one before. */
-static double level_error(const struct gp_sky *s, int l, const double at[2])
+static struct errors level_error(const struct gp_sky *s, int l,
+                                 const double at[2])
 {
     const bool last = l == s->levels - 1;
     const double step = s->level[l].step;
@@ -97,7 +105,7 @@ static double level_error(const struct gp_sky *s, int l, const double at[2])
         step * step * gp_projection_solid(&s->p.projection, at[0], at[1]);
     const double side = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
     struct complex spectrum[SIDE][SIDE];
-    double term[SIDE * SIDE], most = 0.0;
+    double term[SIDE * SIDE], most = 0.0, square = 0.0;
     // all of the term
     const int n =
         gp_max(s->level[l].rx, s->level[l].ry) < SIDE / 4 ? SIDE / 2 : SIDE;
@@ -119,23 +127,29 @@ static double level_error(const struct gp_sky *s, int l, const double at[2])
             const double kept = across.kept * down.kept;
             const double eps =
                 sqrt(fmax(across.square * down.square - kept * kept, 0.0));
-            most = fmax(most,
-                        gp_hypot(spectrum[j][i].re, spectrum[j][i].im) *
-                            (fabs(1.0 - kept * kept) + kept * eps + eps * eps));
+            const double lost =
+                gp_hypot(spectrum[j][i].re, spectrum[j][i].im) *
+                (fabs(1.0 - kept * kept) + kept * eps + eps * eps);
+            most = fmax(most, lost);
+            square += lost * lost;
         }
     }
-    return last ? 2.0 * most : most;
+    const double by = last ? 2.0 : 1.0;
+    return (struct errors) {by * most, by * sqrt(square) / (n * step)};
 }
 
-/* That of all levels, over the layer. */
-static double levels_error(const struct gp_sky *s, const double at[2])
+/* Those of all levels, of the first over the layer. */
+static struct errors levels_error(const struct gp_sky *s, const double at[2])
 {
-    double sum = 0.0;
+    struct errors sum = {0.0, 0.0};
     for (int l = 1; l < s->levels; l++) {
-        const double e = level_error(s, l, at);
-        sum += e * e;
+        const struct errors e = level_error(s, l, at);
+        sum.even += e.even * e.even;
+        sum.lamp += e.lamp * e.lamp;
     }
-    return sqrt(sum) / (s->spread + s->light.stays + s->p.stays);
+    return (struct errors) {
+        sqrt(sum.even) / (s->spread + s->light.stays + s->p.stays),
+        sqrt(sum.lamp)};
 }
 
 /* The weights of a pixel, what stays in it among them, and how far those are apart
@@ -149,15 +163,25 @@ struct apart {
 static double error_at(const struct gp_sky *s, int x, int y,
                        const struct apart *a)
 {
+    const struct gp_projection *const p = &s->p.projection;
     const double at[2] = {x, y};
-    double wrong = 0.0, right = 0.0;
+    const double soft = gp_sky_scale(s, 1, gp_sky_ellipse_at(p, x, y).most);
+    double wrong = 0.0, right = 0.0, all = 0.0;
     for (int i = 0; i < a->w * a->h; i++) {
-        wrong += a->wrong[i] * a->wrong[i];
+        const double from[2] = {x + i % a->w - a->w / 2,
+                                y + i / a->w - a->h / 2};
+        const double c = gp_projection_chord2(p, x, y, from[0], from[1]);
         const double v =
             a->right[i] + (i == a->w * a->h / 2 ? s->p.stays : 0.0);
+        // with what levels add there
+        const double more = gp_projection_solid(p, from[0], from[1]) *
+                            gp_sky_soft(&s->light, soft, c);
+        wrong += a->wrong[i] * a->wrong[i];
         right += v * v;
+        all += (v + more) * (v + more);
     }
-    return sqrt(wrong / right) + levels_error(s, at);
+    const struct errors e = levels_error(s, at);
+    return sqrt(wrong / right) + fmax(e.even, e.lamp / sqrt(all));
 }
 
 static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
@@ -213,7 +237,7 @@ static const double TABLES = 4e-5; // of curves, means and roundings
 void gp_sky_error_of_sphere(struct gp_sky *s)
 {
     const double at[2] = {0.0, s->p.projection.y0};
-    s->error.relative = SURE * levels_error(s, at) + TABLES;
+    s->error.relative = SURE * levels_error(s, at).even + TABLES;
 }
 
 gp_status gp_sky_error_find(const struct gp_log *log, struct gp_sky *s)

@@ -274,7 +274,7 @@ static gp_status make_levels(const struct gp_log *log, double ratio,
     struct making m = {.s = s};
     gp_status st;
     free_levels(s);
-    s->error = (struct gp_sky_error) {0};
+    s->error.relative = 0.0;
     s->ratio = ratio;
     s->negligible = ratio > 6.0 ? 1e-5 : 4e-3;
     size_levels(s);

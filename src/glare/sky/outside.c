@@ -171,6 +171,56 @@ static void find_row(void *ctx, int j, int thread)
     }
 }
 
+/* Finds how far the table is off over the frame: in the middles of cells between its
+ * places, each for its pixels, of some cells. */
+enum { LOOKED = 8 }; // of cells along each axis
+
+struct looking {
+    struct gp_sky *s;
+    double square[LOOKED * LOOKED], area[LOOKED * LOOKED];
+    float *row; // of each thread
+};
+
+static void look_at_cell(void *ctx, int k, int thread)
+{
+    struct looking *const l = ctx;
+    const struct gp_sky *const s = l->s;
+    float *const row = l->row + (size_t) thread * (size_t) s->p.w;
+    int at[2], side[2];
+    for (int a = 0; a < 2; a++) {
+        const int n = s->outer[a] - 1, i = (a ? k / LOOKED : k % LOOKED);
+        const int cell = n > 0 ? (int) ((2 * i + 1) * n / (2.0 * LOOKED)) : 0;
+        const int first = s->outer_at[a][cell];
+        side[a] = n > 0 ? s->outer_at[a][cell + 1] - first : 1;
+        at[a] = first + side[a] / 2;
+    }
+    gp_sky_outside_row(s, at[1], row);
+    const double off =
+        (double) row[at[0]] - gp_sky_outside(s, at[0], at[1]);
+    l->area[k] = side[0] * side[1];
+    l->square[k] = off * off * l->area[k];
+}
+
+static gp_status find_outside_error(const struct gp_log *log, struct gp_sky *s)
+{
+    static const double SURE = 3.0; // between the places that are looked at
+    struct looking l = {.s = s};
+    const gp_status st = gp_alloc(
+        log, "kernel", (size_t) s->p.w * (size_t) gp_threads(), sizeof *l.row,
+        &l.row);
+    double square = 0.0, area = 0.0;
+    if (st)
+        return st;
+    gp_parallel_do(LOOKED * LOOKED, look_at_cell, &l);
+    for (int k = 0; k < LOOKED * LOOKED; k++) {
+        square += l.square[k];
+        area += l.area[k];
+    }
+    s->error.outside = SURE * sqrt(square / area) + 1e-7;
+    gp_free(l.row);
+    return GP_OK;
+}
+
 gp_status gp_sky_outside_table(const struct gp_log *log, struct gp_sky *s)
 {
     gp_status st = GP_OK;
@@ -195,7 +245,7 @@ gp_status gp_sky_outside_table(const struct gp_log *log, struct gp_sky *s)
         const int down = s->even[1] && y > h - 1 - y ? h - 1 - y : y;
         s->outside[i] = s->outside[down * w + from];
     }
-    return st;
+    return find_outside_error(log, s);
 }
 
 void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)

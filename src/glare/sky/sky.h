@@ -119,6 +119,7 @@ void gp_sky_outside_row(const struct gp_sky *sky, int y, float *row);
 /* Limits of the error of gp_sky_add(). */
 struct gp_sky_error {
     double relative; // the error's 2-norm over the layer's
+    double outside;  // of gp_sky_outside_row(): the root of its mean square
 };
 const struct gp_sky_error *gp_sky_error_of(const struct gp_sky *sky);
 

@@ -140,6 +140,9 @@ GP_MUST_CHECK gp_status gp_sky_outside_table(const struct gp_log *log,
 
 // -- weigh.c ------------------------------------------------------------------
 
+/* A of level l at a place whose steepest pixel is `most`. */
+double gp_sky_scale(const struct gp_sky *s, int l, double most);
+
 /* The term of a level >= 1 between two places, `most` the longest side of a pixel at
  * the first: of its nodes, not divided by splines. `last`: none comes after it. */
 double gp_sky_term(const struct gp_sky *s, int level, bool last,

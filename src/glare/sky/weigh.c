@@ -26,8 +26,7 @@ void gp_sky_divide(double *v, int w, int h)
         divide_line(v + x, h, w);
 }
 
-/* A of level l at a place whose steepest pixel is `most`. */
-static double scale_at(const struct gp_sky *s, int l, double most)
+double gp_sky_scale(const struct gp_sky *s, int l, double most)
 {
     const double a = s->ratio * ldexp(most, l);
     return a * a;
@@ -35,8 +34,8 @@ static double scale_at(const struct gp_sky *s, int l, double most)
 
 double gp_sky_soft_term(const struct gp_sky *s, int l, double most, double c)
 {
-    return gp_sky_soft(&s->light, scale_at(s, l, most), c) -
-           gp_sky_soft(&s->light, scale_at(s, l + 1, most), c);
+    return gp_sky_soft(&s->light, gp_sky_scale(s, l, most), c) -
+           gp_sky_soft(&s->light, gp_sky_scale(s, l + 1, most), c);
 }
 
 double gp_sky_term(const struct gp_sky *s, int l, bool last, const double at[2],
@@ -44,14 +43,14 @@ double gp_sky_term(const struct gp_sky *s, int l, bool last, const double at[2],
 {
     const struct gp_projection *const p = &s->p.projection;
     const int order = l <= 3 ? 2 : 1; // 64 pixels away means are within 2e-4
-    const double end = last ? 0.0 : scale_at(s, l + 1, most);
+    const double end = last ? 0.0 : gp_sky_scale(s, l + 1, most);
     if (!last) { // beyond it by more than both pixels no point is within
         const double c =
             gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
         if (c > end * (1.0 + 2.0 / s->ratio))
             return 0.0;
     }
-    return gp_sky_mean(&s->light, p, scale_at(s, l, most), end, order, at,
+    return gp_sky_mean(&s->light, p, gp_sky_scale(s, l, most), end, order, at,
                        from);
 }
 
@@ -60,10 +59,10 @@ double gp_sky_term(const struct gp_sky *s, int l, bool last, const double at[2],
  * even a term is but little of it anywhere, and so is what counts. */
 static double negligible_at(const struct gp_sky *s, int l, double most)
 {
-    const double a = scale_at(s, gp_max(l, 1), most), c = l ? 0.0 : most * most;
+    const double a = gp_sky_scale(s, gp_max(l, 1), most), c = l ? 0.0 : most * most;
     const double whole = gp_sky_soft(&s->light, l ? a : 0.0, c);
     const double next =
-        gp_sky_soft(&s->light, l ? scale_at(s, l + 1, most) : a, c);
+        gp_sky_soft(&s->light, l ? gp_sky_scale(s, l + 1, most) : a, c);
     return s->negligible * fabs(whole - next) / whole;
 }
 
@@ -74,7 +73,7 @@ static bool is_negligible(const struct gp_sky *s, int l, const double at[2],
     const double c =
         gp_projection_chord2(&s->p.projection, at[0], at[1], from[0], from[1]);
     return fabs(weight) <
-           share * gp_sky_soft(&s->light, scale_at(s, gp_max(l, 1), most), c);
+           share * gp_sky_soft(&s->light, gp_sky_scale(s, gp_max(l, 1), most), c);
 }
 
 void gp_sky_weigh_level(const struct gp_sky *s, int l, const double at[2],
@@ -107,7 +106,7 @@ double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
     const struct gp_sky_level *const g = &s->level[0];
     const struct gp_projection *const p = &s->p.projection;
     const int w = 2 * g->rx + 1, h = 2 * g->ry + 1;
-    const double a = scale_at(s, 1, most), share = negligible_at(s, 0, most);
+    const double a = gp_sky_scale(s, 1, most), share = negligible_at(s, 0, most);
     memset(v, 0, (size_t) w * (size_t) h * sizeof *v);
     gp_sky_rings(&s->light, p, at, g->rx, g->ry, v);
     for (int i = 0; i < w * h; i++) {
