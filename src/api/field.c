@@ -114,6 +114,33 @@ struct gp_field gp_api_field(struct glarepp_frame *f)
     return field;
 }
 
+void gp_api_note_plane(struct glarepp_frame *f, const struct gp_field *field,
+                       const struct gp_kernel_request *r)
+{
+    static const char *const LIMITS[] = {
+        [GP_PERSPECTIVE] =
+            "a pixel may show 8 degrees, and be 16 times as long "
+            "as wide",
+        [GP_LATLONG] =
+            "a lat-long is the whole sphere, its width a multiple of "
+            "8 without factors but 2, 3, 5 and 7, from 96 on",
+        [GP_FISHEYE] = "a fisheye has up to 230 degrees from corner to corner",
+        [GP_EQUISOLID] =
+            "a fisheye has up to 230 degrees from corner to corner",
+    };
+    bool angular = false;
+    for (int i = 0; i < r->recipes; i++)
+        angular |= r->recipe[i].model->angular != NULL;
+    f->facts.kernel.projection = "plane";
+    f->flat = angular;
+    if (angular || field->projection.kind != GP_PERSPECTIVE)
+        gp_say(&f->log, GP_LEVEL_WARN,
+               "%s: its glare is that of a plane of %g degrees: %s",
+               f->sink.name, f->facts.kernel.fov,
+               angular ? LIMITS[field->projection.kind]
+                       : "true angles are for models of the angle alone");
+}
+
 /* Widens the field so that lights outside of the frame light all of it, up to
  * three frames: in steps, as a light that moves must not remake the kernel for
  * each frame. */

@@ -93,7 +93,7 @@ gp_status gp_api_sense_groups(struct glarepp_frame *f)
     for (int i = 0; i < f->groups; i++) {
         struct gp_sources *const own = &f->group[i].sources;
         gp_sources_free(own); // of a step that ran before
-        GP_TRY(gp_sense(&f->log, &sense, &f->group[i].image, own));
+        GP_TRY(gp_sense(&f->log, &sense, false, &f->group[i].image, own));
         src->nonfinite += own->nonfinite;
         src->clamped += own->clamped;
         for (int c = 0; c < 3; c++) {

@@ -201,6 +201,7 @@ struct glarepp_frame {
                                    // value 1 in cd/m2, for eyes
     struct gp_made_kernel *kernel; // held; NULL: none was needed
     unsigned ran;                  // bits of steps since those before them
+    bool flat; // its glare is a plane's, where models would follow true angles
     bool tinted;                   // image.layer has its colour
     bool composed;                 // image.lit was made
     struct gp_planes *converted;   // lit, in the output space, of the frame and
@@ -259,6 +260,11 @@ GP_MUST_CHECK gp_status gp_api_has_axis(const struct glarepp_frame *f);
 
 /* The projection of a LATLONG or fisheye, in EXR pixel space; PLANE: the frame is none. */
 struct gp_projection gp_api_wide(const struct glarepp_frame *f);
+
+/* Says why true angles are not those of a frame of any but a plane; its layer has no
+ * bound where its models would follow them. */
+void gp_api_note_plane(struct glarepp_frame *f, const struct gp_field *field,
+                       const struct gp_kernel_request *r);
 
 /* Finds the projection of that camera; false: the angle of view is not a camera's. */
 bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);

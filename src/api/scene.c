@@ -125,8 +125,8 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     const struct gp_v3 at = sun ? to : l->at;
     spec.place = sun ? GLAREPP_DIRECTION : GLAREPP_WORLD;
     memcpy(spec.at, (double[3]) {at.x, at.y, at.z}, sizeof spec.at);
-    spec.degrees = gives_size(plan, l) ? l->degrees
-                                       : (double) plan->sun.degrees;
+    spec.degrees =
+        gives_size(plan, l) ? l->degrees : (double) plan->sun.degrees;
     spec.ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size;
     memcpy(spec.name, l->name, sizeof spec.name);
     // of half the angle that the disc is seen under

@@ -84,7 +84,9 @@ static gp_status sense(struct glarepp_frame *f)
     const struct gp_sources *const src = &f->sources;
     double sum[3], squares;
     glarepp_frame_drop(f, 1u << GLAREPP_SOURCES | 1u << GLAREPP_TRUTH);
-    gp_status st = gp_sense(&f->log, &f->plan->sense, &f->image, &f->sources);
+    const bool sphere = gp_api_wide(f).kind == GP_LATLONG;
+    gp_status st =
+        gp_sense(&f->log, &f->plan->sense, sphere, &f->image, &f->sources);
     if (!st && f->groups)
         st = gp_api_sense_groups(f);
     if (!st && f->source_mask.v)
@@ -344,16 +346,15 @@ static gp_status make_kernel(struct glarepp_frame *f)
     facts->h = k->h;
     facts->grid = k->far ? k->far->split.step : 0;
     facts->left_out = fmax(k->sky ? gp_api_left_out(f, k) : k->left_out, 0.0);
-    if (!k->sky && field.projection.kind != GP_PLANE) {
-        facts->projection = "plane";
-        if (field.projection.kind != GP_PERSPECTIVE)
-            gp_say(&f->log, GP_LEVEL_WARN,
-                   "%s: its glare is that of a plane of %g degrees: "
-                   "true angles take models of the angle alone, lat-longs "
-                   "of a width that is a multiple of 8 without factors but 2, "
-                   "3, 5 and 7, and fisheyes about as wide as high",
-                   f->sink.name, facts->fov);
-    }
+    f->flat = false;
+    if (!k->sky && field.projection.kind != GP_PLANE)
+        gp_api_note_plane(f, &field, r);
+    else if (f->p.projection == GLAREPP_LATLONG &&
+             strcmp(f->plan->glare.engine, "splat") == 0)
+        gp_say(&f->log, GP_LEVEL_WARN,
+               "%s: a lat-long, drawn as a plane of %g degrees: splat has one "
+               "shape everywhere",
+               f->sink.name, facts->fov);
     facts->missed = use.missed;
     memcpy(facts->faint, k->faint, sizeof facts->faint);
     for (int i = 0; i < r->recipes; i++) {
@@ -443,7 +444,10 @@ static gp_status add_layer(struct glarepp_frame *f)
         gp_planes_free(&f->part[i]);
     for (int i = 0; i < f->groups; i++)
         gp_planes_free(&f->group[i].part);
-    return gp_api_layers(f);
+    st = gp_api_layers(f);
+    if (f->flat && facts->sources) // of true angles
+        f->facts.layer.bound = f->facts.layer.bound_pixel = INFINITY;
+    return st;
 }
 
 static gp_status verify(struct glarepp_frame *f)

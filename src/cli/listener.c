@@ -44,6 +44,7 @@ static const struct hint hints[] = {
     HINT("layer.gl.egl", "use --gl osmesa")
     HINT("layer.gl.osmesa", "use --gl egl")
     HINT("layer.in_double", "leave --verify, -k aperture and -k temporal out")
+    HINT("layer.levels", "raise --tolerance, or use --engine direct")
     HINT("layer.mix", "use --mix scatter")
     HINT("layer.tolerance", "raise --tolerance, which may be faster")
     HINT("layer.tolerance_pixel", "raise --tolerance-pixel")

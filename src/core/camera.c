@@ -132,12 +132,14 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
                           "are linearly dependent); repair the header", path);
 
     if (ndc == GP_NDC_AUTO) { // by the image of the view axis
-        static const double reach = 0.2;
+        static const double reach = 0.2, most = 0.5;
         const double x = gp_v3_dot(axis, x_column),
                      y = gp_v3_dot(axis, y_column);
         const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
         const double clip = fmax(fabs(x), fabs(y));
-        if (!(fmin(spec, clip) <= reach))
+        // a shift of a half of the picture, where the other is farther by far
+        const double near = fmin(spec, clip), far = fmax(spec, clip);
+        if (!(near <= reach || (near <= most && 2.0 * near < far)))
             GP_TRY(gp_fail_at(
                 log, GP_ERR_DATA, "lights.ndc",
                 "%s: worldToNDC follows neither convention (it maps the view "

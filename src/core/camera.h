@@ -44,7 +44,8 @@ struct gp_camera {
 /* A camera from a frame's matrices. The view axis v is the direction in which
  * w grows fastest, the upper three of column 3; its image is the middle of the
  * picture, (1/2, 1/2) or (0, 0), give or take a lens shift. GP_NDC_AUTO takes
- * the nearer of the two when it is within 0.2 of it in both axes.
+ * the nearer of the two when it is within 0.2 of it in both axes, or within 0.5 and
+ * the other twice as far.
  *   to_camera  may be NULL
  *   path       for the message
  *   out        written on GP_OK only

@@ -341,10 +341,55 @@ static float opening(const struct glarepp_sense_params *p)
     return ramp ? p->threshold * (1.0f - p->knee) : p->threshold;
 }
 
+/* Finds a threshold in luminance. */
+static gp_status find_threshold(const struct gp_log *log,
+                                const struct gp_image *f,
+                                struct glarepp_sense_params *p)
+{
+    gp_status st = GP_OK;
+    if (p->unit == GLAREPP_PERCENTILE)
+        st = gp_luminance_percentile(log, f, (double) p->threshold,
+                                     &p->threshold);
+    if (p->unit == GLAREPP_EV)
+        p->threshold = (float) fmin(gp_exp2((double) p->threshold) *
+                                        gp_log_average(f, &f->rgb),
+                                    (double) FLT_MAX);
+    return st;
+}
+
+/* The same of a lat-long: by as many pixels of each row as it has of the sphere. */
+static gp_status find_round_threshold(const struct gp_log *log,
+                                      const struct gp_image *f,
+                                      struct glarepp_sense_params *p)
+{
+    const int w = gp_image_w(f), h = gp_rect_h(f->display);
+    struct gp_image even = *f;
+    size_t n = 0;
+    even.rgb = (struct gp_planes) {0};
+    gp_status st =
+        gp_planes_make(log, "sensors", gp_image_pixels(f), &even.rgb);
+    for (int y = f->data.y0; y < f->data.y1 && !st; y++) {
+        const double v = M_PI * ((y + 0.5 - f->display.y0) / h - 0.5);
+        const int count = (int) ceil(w * fmax(gp_cos(v), 0.0));
+        const size_t row = (size_t) (y - f->data.y0) * (size_t) w;
+        for (int i = 0; i < count; i++, n++) {
+            const size_t x = (size_t) ((i + 0.5) / count * w);
+            for (int c = 0; c < 3; c++)
+                even.rgb.c[c][n] = f->rgb.c[c][row + x];
+        }
+    }
+    even.data = even.display = even.read = (struct gp_rect) {0, 0, (int) n, 1};
+    if (!st && n)
+        st = find_threshold(log, &even, p);
+    gp_planes_free(&even.rgb);
+    return st;
+}
+
 /* Cleans the frame, finds its threshold and counts its bright pixels. Errors:
  * GP_ERR_BUG out of memory. */
 static gp_status clean_frame(const struct gp_log *log, struct sense *s,
-    int blocks, const struct gp_image *f, struct glarepp_sense_params *p)
+                             int blocks, const struct gp_image *f, bool sphere,
+                             struct glarepp_sense_params *p)
 {
     gp_status st = GP_OK;
     const bool relative = p->unit != GLAREPP_LUMINANCE;
@@ -360,13 +405,9 @@ static gp_status clean_frame(const struct gp_log *log, struct sense *s,
             s->top = gp_maxf(s->block[i].largest, s->top);
         clean_again(s, blocks);
     }
-    if (p->unit == GLAREPP_PERCENTILE)
-        st = gp_luminance_percentile(log, f, (double) p->threshold,
-                                     &p->threshold);
-    if (p->unit == GLAREPP_EV)
-        p->threshold = (float) fmin(gp_exp2((double) p->threshold) *
-                                        gp_log_average(f, &f->rgb),
-                                    (double) FLT_MAX);
+    if (relative)
+        st = sphere ? find_round_threshold(log, f, p)
+                    : find_threshold(log, f, p);
     p->unit = GLAREPP_LUMINANCE;
     if (relative && !st) {
         s->open = opening(p);
@@ -375,7 +416,8 @@ static gp_status clean_frame(const struct gp_log *log, struct sense *s,
     return st;
 }
 
-gp_status gp_sense(const struct gp_log *log, const struct glarepp_sense_params *p,
+gp_status gp_sense(const struct gp_log *log,
+                   const struct glarepp_sense_params *p, bool sphere,
                    struct gp_image *f, struct gp_sources *out)
 {
     gp_status st;
@@ -399,7 +441,7 @@ gp_status gp_sense(const struct gp_log *log, const struct glarepp_sense_params *
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) threads, sizeof *s.dark,
                          &s.dark));
     GP_TRY(gp_alloc(log, "sensors", (size_t) s.h, sizeof *s.bright, &s.bright));
-    GP_TRY(clean_frame(log, &s, blocks, f, &found));
+    GP_TRY(clean_frame(log, &s, blocks, f, sphere, &found));
     size_t n = 0;
     bool faint = false;
     for (int y = 0; y < s.h; y++)

@@ -19,10 +19,12 @@
  *
  * A warning says so when max_value takes over 1 % of a channel's light.
  *
- *   out  written only on GP_OK; free with gp_sources_free()
+ *   sphere  f is a lat-long: percentiles and averages are of its solid angle
+ *   out     written only on GP_OK; free with gp_sources_free()
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sense(const struct gp_log *log,
                                  const struct glarepp_sense_params *p,
-                                 struct gp_image *f, struct gp_sources *out);
+                                 bool sphere, struct gp_image *f,
+                                 struct gp_sources *out);
 
 #endif

@@ -88,20 +88,17 @@ static bool is_in(struct gp_rect r, int x, int y)
     return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1;
 }
 
-/* Appends the pixels that a light's disc falls on: those in the frame, `around` pixels of
- * a turn if it is a sphere, else 0; or those `beyond` it. */
+/* Appends the pixels that a light's disc falls on: those in the frame, or those `beyond`
+ * it. */
 static void add_disc(const struct disc *d, const struct gp_light *l,
-                     struct gp_rect frame, int around, bool beyond,
-                     struct gp_source *list, size_t *n)
+                     struct gp_rect frame, bool beyond, struct gp_source *list,
+                     size_t *n)
 {
     for (int y = -d->n; y <= d->n + 1; y++) {
         for (int x = -d->m; x <= d->m + 1; x++) {
             int left, top;
             const double w = share_at(d, l, x, y, &left, &top);
-            int px = left + x - frame.x0;
-            const int py = top + y - frame.y0;
-            if (around)
-                px = (px % around + around) % around;
+            const int px = left + x - frame.x0, py = top + y - frame.y0;
             if (!(w > 0.0) ||
                 is_in(frame, px + frame.x0, py + frame.y0) == beyond)
                 continue;
@@ -110,6 +107,60 @@ static void add_disc(const struct disc *d, const struct gp_light *l,
             for (int c = 0; c < 3; c++)
                 e->rgb[c] = (float) (w * l->visibility * (double) l->flux[c]);
         }
+    }
+}
+
+/* Rows at each side of a light's own that its cone may meet in a sphere. */
+static int cone_reach(const struct gp_projection *p, const struct gp_light *l)
+{
+    const double half =
+        l->sight.known ? l->sight.half / p->dy : fmin(l->radius, 1e6);
+    return (int) ceil(fmin(half, M_PI / p->dy)) + 1;
+}
+
+/* Appends the pixels of a light's cone in a sphere: rows are cut into parts, each of
+ * which has it from one longitude to another. */
+static void add_cone(const struct gp_projection *p, const struct gp_light *l,
+                     struct gp_rect frame, int around, struct gp_source *list,
+                     size_t *n)
+{
+    enum { PARTS = 16 };
+    const int reach = cone_reach(p, l), row = (int) floor(l->y);
+    const double size = l->sight.known ? l->sight.half : l->radius * p->dy;
+    const double cosine = gp_cos(fmax(size, 0.5 * p->dy));
+    const double v = (l->y - p->y0) * p->dy;
+    const size_t first = *n;
+    double all = 0.0;
+    for (int y = gp_max(row - reach, frame.y0);
+         y <= gp_min(row + reach, frame.y1 - 1); y++) {
+        double wide[PARTS]; // of half of it, pixels; < 0: none
+        for (int k = 0; k < PARTS; k++) {
+            const double at = (y + (k + 0.5) / PARTS - p->y0) * p->dy;
+            const double turn = (cosine - gp_sin(v) * gp_sin(at)) /
+                                fmax(gp_cos(v) * gp_cos(at), 1e-12);
+            wide[k] = turn < 1.0 ? gp_acos(fmax(turn, -1.0)) / p->dx : -1.0;
+        }
+        for (int x = frame.x0; x < frame.x1; x++) {
+            // the nearest image of the pixel
+            const double off = x - l->x;
+            const double from = off - around * round((off + 0.5) / around);
+            double area = 0.0;
+            for (int k = 0; k < PARTS; k++)
+                area += fmax(fmin(from + 1.0, wide[k]) - fmax(from, -wide[k]),
+                             0.0) /
+                        PARTS;
+            if (!(area > 0.0))
+                continue;
+            struct gp_source *const e = &list[(*n)++];
+            *e = (struct gp_source) {.x = x - frame.x0, .y = y - frame.y0};
+            e->rgb[0] = (float) area;
+            all += area;
+        }
+    }
+    for (size_t i = first; i < *n; i++) {
+        const double share = (double) list[i].rgb[0] / all * l->visibility;
+        for (int c = 0; c < 3; c++)
+            list[i].rgb[c] = (float) (share * (double) l->flux[c]);
     }
 }
 
@@ -156,10 +207,12 @@ static bool is_partly(const struct gp_suns *suns, const struct gp_light *l,
 }
 
 /* Pixels of a list that its disc needs. */
-static size_t disc_room(const struct gp_light *l)
+static size_t disc_room(const struct gp_suns *suns, const struct gp_light *l)
 {
     const struct disc d = disc_of(l);
-    return (2 * (size_t) d.m + 2) * (2 * (size_t) d.n + 2);
+    const size_t around = (size_t) gp_suns_around(suns);
+    return around ? around * (2 * (size_t) cone_reach(&suns->wide, l) + 1)
+                  : (2 * (size_t) d.m + 2) * (2 * (size_t) d.n + 2);
 }
 
 void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
@@ -185,11 +238,12 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
 {
     gp_status st;
     struct gp_source *list = NULL;
+    const int around = (int) gp_suns_around(suns);
     size_t n = 0, room = 0;
     for (int i = 0; i < suns->n; i++) {
         if (glares(suns, &suns->light[i]) &&
             is_partly(suns, &suns->light[i], f->data))
-            room += disc_room(&suns->light[i]);
+            room += disc_room(suns, &suns->light[i]);
     }
     if (!room)
         return GP_OK;
@@ -199,8 +253,12 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
         struct disc d;
         if (!glares(suns, l) || !is_partly(suns, l, f->data))
             continue;
+        if (around) {
+            add_cone(&suns->wide, l, f->data, around, list, &n);
+            continue;
+        }
         GP_TRY(make_disc(log, l, &d));
-        add_disc(&d, l, f->data, (int) gp_suns_around(suns), false, list, &n);
+        add_disc(&d, l, f->data, false, list, &n);
         gp_free(d.weight);
     }
     GP_TRY(gp_sources_join(log, src, list, n, out));
@@ -324,7 +382,7 @@ out:
 }
 
 /* The same of light by true angles. */
-static gp_status draw_sky(const struct gp_log *log,
+static gp_status draw_sky(const struct gp_log *log, const struct gp_suns *suns,
                           const struct gp_kernel *kernel,
                           const struct gp_light *l, struct gp_image *f)
 {
@@ -332,9 +390,9 @@ static gp_status draw_sky(const struct gp_log *log,
     struct gp_source *list = NULL;
     size_t n = 0;
     gp_status st;
-    GP_TRY(gp_alloc(log, "lights", disc_room(l), sizeof *list, &list));
+    GP_TRY(gp_alloc(log, "lights", disc_room(suns, l), sizeof *list, &list));
     GP_TRY(make_disc(log, l, &d));
-    add_disc(&d, l, f->data, 0, true, list, &n);
+    add_disc(&d, l, f->data, true, list, &n);
     st = gp_kernel_add_beyond(log, kernel, list, n, gp_image_w(f),
                               gp_image_h(f), &f->layer);
 out:
@@ -360,7 +418,7 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
                 "at the frame's edge (the limit is %d); leave its flux out",
                 l->radius, SPRITE_RADIUS));
         if (kernel->sky)
-            GP_TRY(draw_sky(log, kernel, l, f));
+            GP_TRY(draw_sky(log, suns, kernel, l, f));
         if (!kernel->sky || kernel->w > 1 || kernel->h > 1) // else in its pixel
             GP_TRY(draw_sprite(log, suns, kernel, l, &s, f));
     }

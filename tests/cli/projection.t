@@ -151,7 +151,19 @@ done
 run --projection perspective --fov 0.001 --layer l.exr --report r.json in.exr
 status_is 0 'a tele lens'
 run --projection perspective --fov 179.9 --layer l.exr --report r.json in.exr
-quiet_success 'an angle that no level serves'
-is "$(field r.json 'o["projection"]')" plane 'is of a plane, and the report says so'
+like "$status $(cat err)" '0 *warning: in.exr: its glare is that of a plane*8 degrees*' \
+    'an angle that no level serves'
+is "$(field r.json 'o["projection"], o["bound"]')" "('plane', None)" \
+    'is of a plane, of which the report says that it has no bound'
+frame lamps.exr kind=lights lights=50 seed=4 size=192x108
+for fov in 0.02 0.1 0.5 2; do
+    run -k eye --fov $fov --verify --layer l.exr --report r.json lamps.exr
+    is "$status $(field r.json 'o["measured"]["rel_l2"] <= o["bound"]')" '0 True' \
+        "a narrow field of $fov degrees, whose pixels are far under an eye's core"
+done
+run -t 50% --projection latlong --report r.json --layer l.exr sphere.exr
+run -t 50% --projection perspective --report s.json --layer l.exr sphere.exr
+no 'percentiles of a lat-long are of its solid angle' \
+    test "$(field r.json 'o["threshold"]')" = "$(field s.json 'o["threshold"]')"
 
 done_testing

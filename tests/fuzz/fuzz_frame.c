@@ -60,7 +60,7 @@ static void sense(struct gp_image *f)
 {
     struct gp_sources sources;
     const struct glarepp_sense_params s = GLAREPP_SENSE_PARAMS;
-    if (!fuzz_line(gp_sense(&fuzz_log, &s, f, &sources)))
+    if (!fuzz_line(gp_sense(&fuzz_log, &s, false, f, &sources)))
         gp_sources_free(&sources);
 }
 

@@ -341,7 +341,7 @@ static inline struct scene scene_sense(struct gp_image f, struct gp_kernel k,
                                        const struct glarepp_sense_params *p)
 {
     struct scene s = {.f = f, .k = k};
-    if (gp_sense(NULL, p, &s.f, &s.src))
+    if (gp_sense(NULL, p, false, &s.f, &s.src))
         abort();
     return s;
 }

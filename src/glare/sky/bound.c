@@ -147,9 +147,9 @@ static struct errors levels_error(const struct gp_sky *s, const double at[2])
         sum.even += e.even * e.even;
         sum.lamp += e.lamp * e.lamp;
     }
-    return (struct errors) {
-        sqrt(sum.even) / (s->spread + s->light.stays + s->p.stays),
-        sqrt(sum.lamp)};
+    return (struct errors) {sqrt(sum.even) /
+                                (s->spread + s->light.stays + s->p.stays),
+                            sqrt(sum.lamp)};
 }
 
 /* The weights of a pixel, what stays in it among them, and how far those are apart

@@ -195,8 +195,7 @@ static void look_at_cell(void *ctx, int k, int thread)
         at[a] = first + side[a] / 2;
     }
     gp_sky_outside_row(s, at[1], row);
-    const double off =
-        (double) row[at[0]] - gp_sky_outside(s, at[0], at[1]);
+    const double off = (double) row[at[0]] - gp_sky_outside(s, at[0], at[1]);
     l->area[k] = side[0] * side[1];
     l->square[k] = off * off * l->area[k];
 }
@@ -205,9 +204,9 @@ static gp_status find_outside_error(const struct gp_log *log, struct gp_sky *s)
 {
     static const double SURE = 3.0; // between the places that are looked at
     struct looking l = {.s = s};
-    const gp_status st = gp_alloc(
-        log, "kernel", (size_t) s->p.w * (size_t) gp_threads(), sizeof *l.row,
-        &l.row);
+    const gp_status st =
+        gp_alloc(log, "kernel", (size_t) s->p.w * (size_t) gp_threads(),
+                 sizeof *l.row, &l.row);
     double square = 0.0, area = 0.0;
     if (st)
         return st;

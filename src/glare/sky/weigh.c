@@ -59,7 +59,8 @@ double gp_sky_term(const struct gp_sky *s, int l, bool last, const double at[2],
  * even a term is but little of it anywhere, and so is what counts. */
 static double negligible_at(const struct gp_sky *s, int l, double most)
 {
-    const double a = gp_sky_scale(s, gp_max(l, 1), most), c = l ? 0.0 : most * most;
+    const double a = gp_sky_scale(s, gp_max(l, 1), most),
+                 c = l ? 0.0 : most * most;
     const double whole = gp_sky_soft(&s->light, l ? a : 0.0, c);
     const double next =
         gp_sky_soft(&s->light, l ? gp_sky_scale(s, l + 1, most) : a, c);
@@ -73,7 +74,8 @@ static bool is_negligible(const struct gp_sky *s, int l, const double at[2],
     const double c =
         gp_projection_chord2(&s->p.projection, at[0], at[1], from[0], from[1]);
     return fabs(weight) <
-           share * gp_sky_soft(&s->light, gp_sky_scale(s, gp_max(l, 1), most), c);
+           share *
+               gp_sky_soft(&s->light, gp_sky_scale(s, gp_max(l, 1), most), c);
 }
 
 void gp_sky_weigh_level(const struct gp_sky *s, int l, const double at[2],
@@ -106,7 +108,8 @@ double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
     const struct gp_sky_level *const g = &s->level[0];
     const struct gp_projection *const p = &s->p.projection;
     const int w = 2 * g->rx + 1, h = 2 * g->ry + 1;
-    const double a = gp_sky_scale(s, 1, most), share = negligible_at(s, 0, most);
+    const double a = gp_sky_scale(s, 1, most),
+                 share = negligible_at(s, 0, most);
     memset(v, 0, (size_t) w * (size_t) h * sizeof *v);
     gp_sky_rings(&s->light, p, at, g->rx, g->ry, v);
     for (int i = 0; i < w * h; i++) {

@@ -280,7 +280,8 @@ static gp_status place_node(struct gp_gltf *g, int index,
         GP_TRY(gp_json_number(&at.p, extras, "ball_radius", 0.0, MOST_PLACE,
                               &l->ball));
         if (l->kind == GP_LIGHT_DIRECTIONAL) {
-            GP_TRY(gp_json_number(&at.p, extras, "angle", 0.0, M_PI / 2, &radians));
+            GP_TRY(gp_json_number(&at.p, extras, "angle", 0.0, M_PI / 2,
+                                  &radians));
             l->degrees = radians * (180.0 / M_PI);
             GP_TRY(gp_json_number(&at.p, extras, "angle_deg", 0.0, 90.0,
                                   &l->degrees));

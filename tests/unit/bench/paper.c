@@ -63,7 +63,7 @@ static void light_is_as_it_is_named(void **state)
         struct gp_frame f = paper_scene(rows[i].kind);
         struct gp_sources s = {0};
         struct gp_image v = view_of(&f);
-        assert_ok(gp_sense(NULL, &p, &v, &s));
+        assert_ok(gp_sense(NULL, &p, false, &v, &s));
         const double share = (double) s.n / (double) gp_frame_pixels(&f);
         assert_true(share >= rows[i].least && share <= rows[i].most);
         assert_true(s.nonfinite == 0 && s.clamped == 0);

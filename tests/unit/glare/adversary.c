@@ -61,7 +61,7 @@ static bool open_toy(const struct toy *t, struct scene *s)
     *s = (struct scene) {.f = f};
     const gp_status st = gp_kernel_from_frame(NULL, &kp, &image, &s->k);
     gp_image_free(&image);
-    if (!st && !gp_sense(NULL, &open_all, &s->f, &s->src) && s->src.n) {
+    if (!st && !gp_sense(NULL, &open_all, false, &s->f, &s->src) && s->src.n) {
         s->src.darkest = INFINITY; // no noise shows: fft is in float
         scene_find_exact(s);
         return true;

@@ -11,7 +11,7 @@ static struct gp_sources sources_of(struct gp_image f,
                                     const struct glarepp_sense_params *p)
 {
     struct gp_sources s;
-    assert_ok(gp_sense(NULL, p, &f, &s));
+    assert_ok(gp_sense(NULL, p, false, &f, &s));
     gp_image_free(&f);
     return s;
 }

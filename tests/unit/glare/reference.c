@@ -175,7 +175,7 @@ static void scattered_light_leaves_the_composite(void **state)
         struct glarepp_errors e;
         for (int c = 0; c < 3; c++)
             s.f.rgb.c[c][17] = 4.0f; // 3 of it are a source
-        assert_ok(gp_sense(NULL, &p, &s.f, &s.src));
+        assert_ok(gp_sense(NULL, &p, false, &s.f, &s.src));
         s.f.layer.c[1][17] += 1.0f;
         gp_glare_measure(&s.f, &s.f.layer, s.exact, NULL, gains[i], &s.src, &e);
         const double own = 4.0 - 3.0 * fmin(gain, 1.0) + gain * 2.0;

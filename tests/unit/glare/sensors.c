@@ -45,7 +45,7 @@ static void bad_pixels_stay_alone(void **state)
             f.rgb.c[c][at] = rows[i / 3].rgb[c];
             was.rgb.c[c][at] = rows[i / 3].want[c];
         }
-        assert_ok(gp_sense(NULL, &limited, &f, &src));
+        assert_ok(gp_sense(NULL, &limited, false, &f, &src));
         for (int c = 0; c < 3; c++)
             assert_memory_equal(f.rgb.c[c], was.rgb.c[c],
                                 gp_image_pixels(&f) * sizeof(float));
@@ -118,7 +118,7 @@ static void sources_hold_the_excess(void **state)
         };
         struct gp_sources src;
         size_t over = 0, at = 0;
-        assert_ok(gp_sense(NULL, &p, &f, &src));
+        assert_ok(gp_sense(NULL, &p, false, &f, &src));
         for (size_t i = 0; i < n; i++) {
             double y = 0.0;
             for (int c = 0; c < 3; c++)

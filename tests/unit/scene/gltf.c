@@ -84,18 +84,20 @@ static void only_the_nodes_of_the_scene_are_placed(void **state)
 static void lights_have_the_defaults_of_their_extension(void **state)
 {
     struct gp_scene s = gm_read(
-        gm_write("'extensions': {'KHR_lights_punctual': {'lights': [{'type': "
-                 "'point', 'name': 'bulb'}, {'type': 'spot', 'spot': {}, 'range'"
-                 ": 4}, {'type': 'directional', 'color': [1, 0.5, 0]}]}}, "
-                 "'nodes': [{'extensions': {'KHR_lights_punctual': {'light': 0}"
-                 "}, 'translation': [1, 2, 3], 'extras': {'ball_radius': 0.25}}"
-                 ", {'name': 'a', 'extensions': {'KHR_lights_punctual': {'light"
-                 "': 0}}}, {'name': 'b', 'extensions': {'KHR_lights_punctual': "
-                 "{'light': 1}}, 'rotation': [0, 1, 0, 0]}, {'extensions': {"
-                 "'KHR_lights_punctual': {'light': 2}}}, {'extensions': {"
-                 "'KHR_lights_punctual': {'light': 2}}, 'extras': {'angle_deg'"
-                 ": 0.53}}, {'extensions': {'KHR_lights_punctual': {'light': 2"
-                 "}}, 'extras': {'angle': 0.01}}]"), GLAREPP_UP_Y);
+        gm_write(
+            "'extensions': {'KHR_lights_punctual': {'lights': [{'type': "
+            "'point', 'name': 'bulb'}, {'type': 'spot', 'spot': {}, 'range'"
+            ": 4}, {'type': 'directional', 'color': [1, 0.5, 0]}]}}, "
+            "'nodes': [{'extensions': {'KHR_lights_punctual': {'light': 0}"
+            "}, 'translation': [1, 2, 3], 'extras': {'ball_radius': 0.25}}"
+            ", {'name': 'a', 'extensions': {'KHR_lights_punctual': {'light"
+            "': 0}}}, {'name': 'b', 'extensions': {'KHR_lights_punctual': "
+            "{'light': 1}}, 'rotation': [0, 1, 0, 0]}, {'extensions': {"
+            "'KHR_lights_punctual': {'light': 2}}}, {'extensions': {"
+            "'KHR_lights_punctual': {'light': 2}}, 'extras': {'angle_deg'"
+            ": 0.53}}, {'extensions': {'KHR_lights_punctual': {'light': 2"
+            "}}, 'extras': {'angle': 0.01}}]"),
+        GLAREPP_UP_Y);
     assert_int_equal(s.lights, 6);
     assert_true(s.light[3].degrees == 0.0 && s.light[4].degrees == 0.53);
     assert_true(fabs(s.light[5].degrees - 0.5729578) < 1e-6);

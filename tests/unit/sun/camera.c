@@ -176,11 +176,12 @@ static void conventions_are_told_apart(void **state)
         double sx, sy; // lens shift
         bool clip, told;
     } row[] = {
-        {0, 0, false, true},       {0, 0, true, true},
-        {0.15, -0.15, false, true}, {0.08, -0.08, true, true},
-        {0.19, 0, false, true},    {0, 0.095, true, true},
-        {0.21, 0, false, false},   {0, 0.3, false, false},
-        {0, 0.11, true, false},    {5, 5, false, false},
+        {0, 0, false, true},          {0, 0, true, true},
+        {0.15, -0.15, false, true},   {0.08, -0.08, true, true},
+        {0.19, 0, false, true},       {0, 0.095, true, true},
+        {0.21, 0, false, true},       {0, 0.3, false, true},
+        {0, 0.11, true, true},        {5, 5, false, false},
+        {-0.25, -0.25, false, false},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct hand h = plain;
