@@ -119,8 +119,8 @@ void gp_api_note_plane(struct glarepp_frame *f, const struct gp_field *field,
 {
     static const char *const LIMITS[] = {
         [GP_PERSPECTIVE] =
-            "a pixel may show 8 degrees, and be 16 times as long "
-            "as wide",
+            "a pixel may show 8 degrees, be 16 times as long as wide, "
+            "and not be small beside the kernel's core",
         [GP_LATLONG] =
             "a lat-long is the whole sphere, its width a multiple of "
             "8 without factors but 2, 3, 5 and 7, from 96 on",
@@ -128,9 +128,12 @@ void gp_api_note_plane(struct glarepp_frame *f, const struct gp_field *field,
         [GP_EQUISOLID] =
             "a fisheye has up to 230 degrees from corner to corner",
     };
+    const struct gp_recipe *const recipe = f->kernel->recipe;
+    struct gp_angular as;
     bool angular = false;
     for (int i = 0; i < r->recipes; i++)
-        angular |= r->recipe[i].model->angular != NULL;
+        angular |= recipe[i].model->angular &&
+                   recipe[i].model->angular(&recipe[i], field, &as);
     f->facts.kernel.projection = "plane";
     f->flat = angular;
     if (angular || field->projection.kind != GP_PERSPECTIVE)

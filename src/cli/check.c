@@ -576,6 +576,10 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     GP_TRY(check_grow(log, s));
     GP_TRY(check_groups(log, s));
     GP_TRY(check_lights(log, warn, sun));
+    if (sun->relight.n && s->scene.light_scale > 0.0 && !sun->p.in_frame)
+        gp_say(warn, GP_LEVEL_WARN,
+               "--relight: its lamps glare as discs, too; add --sun-in-frame "
+               "where the frame shows them, or is to be lit alone");
     if (sun->p.found && s->output.write.no_clobber)
         gp_say(
             warn, GP_LEVEL_WARN,

@@ -45,7 +45,7 @@ is "$(head -1 out | cut -d, -f1-3)" 'square.gltf: 5 objects, 2 lights, 64x36' \
     'the scene is described'
 no 'every row draws the same picture' grep -q another out
 # of F: all but what is behind the camera; the wall hides one of them
-is "$(awk 'NR > 2 { print $(NF - 8) }' out | tr '\n' ' ')" '4 3 3 3 3 ' \
+is "$(awk 'NR > 2 { print $(NF - 9) }' out | tr '\n' ' ')" '4 3 3 3 3 ' \
     'the square behind the wall is hidden'
 
 "$glarepp" sets --size 64x36 --runs 1 --json - square.gltf >json 2>err

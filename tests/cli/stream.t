@@ -120,7 +120,7 @@ rm -rf made && mkdir made
 for byte in open("tinies", "rb").read():
     os.write(1, bytes([byte]))' | "$glarepp" -e fft --hdr made/#.exr - >out 2>err
 status=$?
-quiet_success 'one byte at a time'
+is "$status" 0 'one byte at a time'
 "$glarepp" -e fft --hdr p.exr tiny.exr
 same made/2.exr p.exr 'one byte at a time: the second frame'
 frame parts.exr size=20x70 part=depth:Z:float part=more:Y:half
