@@ -26,14 +26,19 @@ static int projection_of(const struct glarepp_frame *f)
 static const enum gp_projecting KIND[] = {GP_PLANE, GP_PERSPECTIVE, GP_LATLONG,
                                           GP_FISHEYE, GP_EQUISOLID};
 
+/* Tests whether an option gives the angle of a picture that is not a camera's. */
+static bool is_given(const struct glarepp_frame *f)
+{
+    return projection_of(f) != GLAREPP_LATLONG && f->plan->fov > 0.0;
+}
+
 struct gp_projection gp_api_wide(const struct glarepp_frame *f)
 {
     const int kind = projection_of(f);
     const struct gp_field field = gp_field_of(&f->image, 180.0);
-    const bool given = kind != GLAREPP_LATLONG && f->plan->fov > 0.0;
     return kind > GLAREPP_PERSPECTIVE
                ? gp_projection_of(KIND[kind], f->image.display, field.aspect,
-                                  given ? f->plan->fov : 180.0)
+                                  is_given(f) ? f->plan->fov : 180.0)
                : (struct gp_projection) {0};
 }
 
@@ -77,9 +82,8 @@ struct gp_field gp_api_field(struct glarepp_frame *f)
     double fov = gp_api_camera_fov(f);
     facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
     if (kind > GLAREPP_PERSPECTIVE) {
-        const bool given = kind != GLAREPP_LATLONG && f->plan->fov > 0.0;
-        fov = given ? f->plan->fov : 180.0;
-        facts->fov_from = given ? "option" : "projection";
+        fov = is_given(f) ? f->plan->fov : 180.0;
+        facts->fov_from = is_given(f) ? "option" : "projection";
     } else if (!(fov > 0.0)) {
         struct gp_api_stop stop = {.fov = GP_USUAL_FOV};
         const bool known =
@@ -117,6 +121,8 @@ struct gp_field gp_api_field(struct glarepp_frame *f)
 void gp_api_note_plane(struct glarepp_frame *f, const struct gp_field *field,
                        const struct gp_kernel_request *r)
 {
+    static const char FISHEYES[] =
+        "a fisheye has up to 230 degrees from corner to corner";
     static const char *const LIMITS[] = {
         [GP_PERSPECTIVE] =
             "a pixel may show 8 degrees, be 16 times as long as wide, "
@@ -124,9 +130,8 @@ void gp_api_note_plane(struct glarepp_frame *f, const struct gp_field *field,
         [GP_LATLONG] =
             "a lat-long is the whole sphere, its width a multiple of "
             "8 without factors but 2, 3, 5 and 7, from 96 on",
-        [GP_FISHEYE] = "a fisheye has up to 230 degrees from corner to corner",
-        [GP_EQUISOLID] =
-            "a fisheye has up to 230 degrees from corner to corner",
+        [GP_FISHEYE] = FISHEYES,
+        [GP_EQUISOLID] = FISHEYES,
     };
     const struct gp_recipe *const recipe = f->kernel->recipe;
     struct gp_angular as;

@@ -172,10 +172,9 @@ static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
     struct glarepp_frame_params about = f->p;
     bool found = false;
     about.has_camera = false;
-    if (f->work->lights && f->work->lights->suns.wide.kind)
-        return false;
     if (f->work->lights)
-        return !gp_suns_camera(NULL, &f->work->lights->suns, &about, &f->image,
+        return !f->work->lights->suns.wide.kind &&
+               !gp_suns_camera(NULL, &f->work->lights->suns, &about, &f->image,
                                out, &found) &&
                found;
     return f->p.has_ndc &&

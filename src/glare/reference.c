@@ -310,9 +310,11 @@ static double stands_for(const struct gp_image *f, const double *exact,
 {
     const size_t n = gp_image_pixels(f);
     double y = 0.0;
+    if (!s || !(s->each > 0.0))
+        return 1.0;
     for (size_t c = 0; c < 3; c++)
         y += (double) f->luminance[c] * exact[c * n + i];
-    return !s || !(s->each > 0.0) || y >= (double) s->least ? 1.0 : s->each;
+    return y >= (double) s->least ? 1.0 : s->each;
 }
 
 void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,

@@ -44,6 +44,7 @@ void gp_lens_light_of(const struct gp_lens_band *b,
 }
 
 void gp_lens_spectrum_make(const float *chromaticities,
+                           const struct gp_lens *lens,
                            const double image[GP_LENS_NODES],
                            struct gp_lens_spectrum *out)
 {
@@ -55,6 +56,13 @@ void gp_lens_spectrum_make(const float *chromaticities,
             root += out->at[i][k] * sqrt(image[k]);
         for (int c = 0; c < 3; c++)
             out->rgb[i][c] /= root * root;
+        for (int k = 0; k < lens->n; k++)
+            out->reflects[k][i] = gp_lens_axial(lens, k, out->nm[i]);
+    }
+    for (int k = 0; k < lens->n * GP_LENS_NODES; k++) {
+        const int surface = k / GP_LENS_NODES, node = k % GP_LENS_NODES;
+        out->at_node[surface][node] =
+            gp_lens_axial(lens, surface, gp_lens_node[node]);
     }
 }
 
@@ -63,22 +71,19 @@ void gp_lens_spectrum_make(const float *chromaticities,
  * Lagrange's polynomial follows from node to node. What this misses, mostly in the violet
  * and of coats of several layers, is known on the axis, and is as much of all rays. */
 void gp_lens_pair_make(const struct gp_lens_spectrum *s,
-                       const struct gp_lens *lens,
                        const struct glarepp_ghost *g, struct gp_lens_pair *out)
 {
     double root[GP_LENS_NODES], all = 0.0;
     for (int k = 0; k < GP_LENS_NODES; k++) {
-        root[k] = sqrt(gp_lens_axial(lens, g->first, gp_lens_node[k]) *
-                       gp_lens_axial(lens, g->second, gp_lens_node[k]));
+        root[k] = sqrt(s->at_node[g->first][k] * s->at_node[g->second][k]);
         all += root[k];
     }
     for (int i = 0; i < GP_LENS_PARTS; i++) {
         double sum = 0.0;
         for (int k = 0; k < GP_LENS_NODES; k++)
             sum += s->at[i][k] * root[k];
-        const double missed = gp_lens_axial(lens, g->first, s->nm[i]) *
-                                  gp_lens_axial(lens, g->second, s->nm[i]) -
-                              sum * sum;
+        const double missed =
+            s->reflects[g->first][i] * s->reflects[g->second][i] - sum * sum;
         out->missed[i] = all > 0.0 ? missed / (all * all) : 0.0;
     }
 }

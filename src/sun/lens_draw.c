@@ -172,7 +172,7 @@ static void rank_ghost(struct drawing *d, int i, const double light[3])
     struct rank *const rank = &d->rank[i];
     double root[GP_LENS_NODES], all[3];
     struct gp_lens_band band;
-    gp_lens_pair_make(&d->spectrum, d->lens, g, &d->pair[i]);
+    gp_lens_pair_make(&d->spectrum, g, &d->pair[i]);
     gp_lens_bands_make(&d->spectrum, &d->pair[i], 0, &band);
     rank->norm = sqrt(fmin(pixels, frame)) / pixels;
     rank->pixels = pixels;
@@ -378,7 +378,8 @@ static gp_status measure_image(const struct gp_log *log, struct drawing *d)
     d->scale = gp_lens_measure(d->lens, &figures);
     const bool lit = mesh.cells && d->scale > 0.0 && d->scale < 1e9;
     if (!st && lit)
-        gp_lens_spectrum_make(d->view->chromaticities, mesh.flux, &d->spectrum);
+        gp_lens_spectrum_make(d->view->chromaticities, d->lens, mesh.flux,
+                              &d->spectrum);
     gp_lens_mesh_free(&mesh);
     return st || lit ? st : gp_fail_at(log, GP_ERR_DATA, "lens.lens.dark",
                                        "%s: no light reaches its image",

@@ -174,6 +174,9 @@ struct gp_lens_band {
 struct gp_lens_spectrum {
     double nm[GP_LENS_PARTS], at[GP_LENS_PARTS][GP_LENS_NODES];
     double rgb[GP_LENS_PARTS][3];
+    // what each surface reflects on the axis, in parts and at nodes
+    double reflects[GP_LENS_SURFACES][GP_LENS_PARTS];
+    double at_node[GP_LENS_SURFACES][GP_LENS_NODES];
 };
 
 /* What the nodes miss of the light of two surfaces in each part, of that of all nodes. */
@@ -208,12 +211,12 @@ GP_MUST_CHECK gp_status gp_lens_rays_make(struct gp_lens_rays **out);
  *   chromaticities  8, of the frame
  *   image           light of the image on the axis at each node */
 void gp_lens_spectrum_make(const float *chromaticities,
+                           const struct gp_lens *lens,
                            const double image[GP_LENS_NODES],
                            struct gp_lens_spectrum *out);
 
 /* Measures the pair of surfaces of a ghost. */
 void gp_lens_pair_make(const struct gp_lens_spectrum *s,
-                       const struct gp_lens *lens,
                        const struct glarepp_ghost *g, struct gp_lens_pair *out);
 
 /* Makes the bands of a set; set 0 is one band. */

@@ -19,10 +19,10 @@ double gp_suns_around(const struct gp_suns *suns)
 
 // -- a light's disc in pixels ------------------------------------------------
 
-/* Weights of the (2m+1) x (2n+1) pixels around a disc's centre pixel, whose
+/* Weights of the (2m+1) x (2m+1) pixels around a disc's centre pixel, whose
  * sum is 1; one pixel for a radius up to 1/2. */
 struct disc {
-    int m, n;
+    int m;
     float *weight; // owned
 };
 
@@ -31,42 +31,35 @@ static int disc_reach(double radius)
     return radius > 0.5 ? (int) ceil(radius - 0.5) : 0;
 }
 
-/* The disc's pixels around the centre of one. */
-static struct disc disc_of(const struct gp_light *l)
-{
-    const double q = gp_light_stretch(l);
-    return (struct disc) {disc_reach(l->radius * q), disc_reach(l->radius / q),
-                          NULL};
-}
-
-static gp_status make_disc(const struct gp_log *log, const struct gp_light *l,
+static gp_status make_disc(const struct gp_log *log, double radius,
                            struct disc *out)
 {
-    struct disc d = disc_of(l);
-    const int w = 2 * d.m + 1, h = 2 * d.n + 1;
-    const struct gp_light middle = {.x = 0.5, .y = 0.5, .wide = l->wide};
-    const double r = l->radius, all = M_PI * r * r;
-    gp_status st = gp_alloc(log, "disc of a light", (size_t) w * (size_t) h,
-                            sizeof *d.weight, &d.weight);
+    const int m = disc_reach(radius), side = 2 * m + 1;
+    const struct gp_light middle = {.x = 0.5, .y = 0.5};
+    const double all = M_PI * radius * radius;
+    float *weight;
+    gp_status st =
+        gp_alloc(log, "disc of a light", (size_t) side * (size_t) side,
+                 sizeof *weight, &weight);
     if (st)
         return st;
-    for (int i = 0; i < w * h; i++)
-        d.weight[i] =
-            w * h == 1 ? 1.0f
-                       : (float) (gp_light_pixel_area(&middle, r, i % w - d.m,
-                                                      i / w - d.n) /
-                                  all);
-    *out = d;
+    for (int i = 0; i < side * side; i++)
+        weight[i] =
+            m == 0 ? 1.0f
+                   : (float) (gp_light_pixel_area(&middle, radius, i % side - m,
+                                                  i / side - m) /
+                              all);
+    *out = (struct disc) {m, weight};
     return GP_OK;
 }
 
 /* Weight of pixel (x, y) from the centre pixel; 0 outside. */
 static double weight_at(const struct disc *d, int x, int y)
 {
-    const size_t row = 2 * (size_t) d->m + 1;
-    if (abs(x) > d->m || abs(y) > d->n)
+    const size_t side = 2 * (size_t) d->m + 1;
+    if (abs(x) > d->m || abs(y) > d->m)
         return 0.0;
-    return (double) d->weight[(size_t) (y + d->n) * row + (size_t) (x + d->m)];
+    return (double) d->weight[(size_t) (y + d->m) * side + (size_t) (x + d->m)];
 }
 
 /* The share of a light in pixel (left + x, top + y), bilinear; *left and *top are set. */
@@ -94,7 +87,7 @@ static void add_disc(const struct disc *d, const struct gp_light *l,
                      struct gp_rect frame, bool beyond, struct gp_source *list,
                      size_t *n)
 {
-    for (int y = -d->n; y <= d->n + 1; y++) {
+    for (int y = -d->m; y <= d->m + 1; y++) {
         for (int x = -d->m; x <= d->m + 1; x++) {
             int left, top;
             const double w = share_at(d, l, x, y, &left, &top);
@@ -110,29 +103,37 @@ static void add_disc(const struct disc *d, const struct gp_light *l,
     }
 }
 
-/* Rows at each side of a light's own that its cone may meet in a sphere. */
-static int cone_reach(const struct gp_projection *p, const struct gp_light *l)
+/* Half of the angle of a light's cone in a sphere; at least half a row. */
+static double cone_of(const struct gp_projection *p, const struct gp_light *l)
 {
-    const double half =
-        l->sight.known ? l->sight.half / p->dy : fmin(l->radius, 1e6);
-    return (int) ceil(fmin(half, M_PI / p->dy)) + 1;
+    const double half = l->sight.known ? l->sight.half : l->radius * p->dy;
+    return fmin(fmax(half, 0.5 * p->dy), M_PI);
 }
 
-/* Appends the pixels of a light's cone in a sphere: rows are cut into parts, each of
- * which has it from one longitude to another. */
+/* The rows of a sphere that a light's cone may meet. */
+static void cone_rows(const struct gp_projection *p, const struct gp_light *l,
+                      int rows[2])
+{
+    const int reach = (int) ceil(cone_of(p, l) / p->dy) + 1;
+    const int row = (int) floor(l->y);
+    const double pole = 0.5 * M_PI / p->dy - 1e-6; // from the equator
+    rows[0] = gp_max(row - reach, (int) floor(p->y0 - pole));
+    rows[1] = gp_min(row + reach + 1, (int) ceil(p->y0 + pole));
+}
+
+/* Appends the pixels of a light's cone in a sphere that are in the frame: rows are cut
+ * into parts, each of which has it from one longitude to another. */
 static void add_cone(const struct gp_projection *p, const struct gp_light *l,
                      struct gp_rect frame, int around, struct gp_source *list,
                      size_t *n)
 {
     enum { PARTS = 16 };
-    const int reach = cone_reach(p, l), row = (int) floor(l->y);
-    const double size = l->sight.known ? l->sight.half : l->radius * p->dy;
-    const double cosine = gp_cos(fmax(size, 0.5 * p->dy));
-    const double v = (l->y - p->y0) * p->dy;
+    const double cosine = gp_cos(cone_of(p, l)), v = (l->y - p->y0) * p->dy;
     const size_t first = *n;
     double all = 0.0;
-    for (int y = gp_max(row - reach, frame.y0);
-         y <= gp_min(row + reach, frame.y1 - 1); y++) {
+    int rows[2];
+    cone_rows(p, l, rows);
+    for (int y = rows[0]; y < rows[1]; y++) {
         double wide[PARTS]; // of half of it, pixels; < 0: none
         for (int k = 0; k < PARTS; k++) {
             const double at = (y + (k + 0.5) / PARTS - p->y0) * p->dy;
@@ -140,7 +141,7 @@ static void add_cone(const struct gp_projection *p, const struct gp_light *l,
                                 fmax(gp_cos(v) * gp_cos(at), 1e-12);
             wide[k] = turn < 1.0 ? gp_acos(fmax(turn, -1.0)) / p->dx : -1.0;
         }
-        for (int x = frame.x0; x < frame.x1; x++) {
+        for (int x = frame.x0; x < frame.x0 + around; x++) {
             // the nearest image of the pixel
             const double off = x - l->x;
             const double from = off - around * round((off + 0.5) / around);
@@ -149,12 +150,12 @@ static void add_cone(const struct gp_projection *p, const struct gp_light *l,
                 area += fmax(fmin(from + 1.0, wide[k]) - fmax(from, -wide[k]),
                              0.0) /
                         PARTS;
-            if (!(area > 0.0))
+            all += area;
+            if (!(area > 0.0) || !is_in(frame, x, y))
                 continue;
             struct gp_source *const e = &list[(*n)++];
             *e = (struct gp_source) {.x = x - frame.x0, .y = y - frame.y0};
             e->rgb[0] = (float) area;
-            all += area;
         }
     }
     for (size_t i = first; i < *n; i++) {
@@ -209,10 +210,13 @@ static bool is_partly(const struct gp_suns *suns, const struct gp_light *l,
 /* Pixels of a list that its disc needs. */
 static size_t disc_room(const struct gp_suns *suns, const struct gp_light *l)
 {
-    const struct disc d = disc_of(l);
     const size_t around = (size_t) gp_suns_around(suns);
-    return around ? around * (2 * (size_t) cone_reach(&suns->wide, l) + 1)
-                  : (2 * (size_t) d.m + 2) * (2 * (size_t) d.n + 2);
+    const size_t side = 2 * (size_t) disc_reach(l->radius) + 2;
+    int rows[2];
+    if (!around)
+        return side * side;
+    cone_rows(&suns->wide, l, rows);
+    return around * (size_t) gp_max(rows[1] - rows[0], 0);
 }
 
 void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
@@ -257,7 +261,7 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
             add_cone(&suns->wide, l, f->data, around, list, &n);
             continue;
         }
-        GP_TRY(make_disc(log, l, &d));
+        GP_TRY(make_disc(log, l->radius, &d));
         add_disc(&d, l, f->data, false, list, &n);
         gp_free(d.weight);
     }
@@ -337,7 +341,7 @@ static gp_status make_rest(const struct gp_log *log, const struct disc *d,
         const double w = share_at(d, l, x, y, &left, &top);
         out->weight[i] = is_in(frame, left + x, top + y) ? 0.0f : (float) w;
     }
-    out->m = out->n = m;
+    out->m = m;
     l->x = left + 0.5;
     l->y = top + 0.5;
     return GP_OK;
@@ -367,7 +371,7 @@ static gp_status draw_sprite(const struct gp_log *log,
     gp_status st;
     if (partly || s->radius != l.radius) {
         l.radius = partly ? l.radius : fmax(l.radius, 0.5);
-        GP_TRY(make_disc(log, &l, &d));
+        GP_TRY(make_disc(log, l.radius, &d));
         if (partly)
             GP_TRY(make_rest(log, &d, f->data, &l, &rest));
         s->radius = 0.0;
@@ -391,7 +395,7 @@ static gp_status draw_sky(const struct gp_log *log, const struct gp_suns *suns,
     size_t n = 0;
     gp_status st;
     GP_TRY(gp_alloc(log, "lights", disc_room(suns, l), sizeof *list, &list));
-    GP_TRY(make_disc(log, l, &d));
+    GP_TRY(make_disc(log, l->radius, &d));
     add_disc(&d, l, f->data, true, list, &n);
     st = gp_kernel_add_beyond(log, kernel, list, n, gp_image_w(f),
                               gp_image_h(f), &f->layer);
