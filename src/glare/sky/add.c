@@ -249,6 +249,26 @@ static void double_row(const struct adding *a, int c, int f, float *line,
     gp_sky_between_row(line, EVEN, ODD, to->w, out);
 }
 
+/* Spreads a row of a level that has one weight a node. */
+GP_CLONES static void weigh_row(const struct gp_sky *s,
+                                const struct gp_sky_level *g, int y,
+                                const float *restrict light,
+                                float *restrict out)
+{
+    double slope, cubic[4];
+    const double t = gp_sky_place_of(s, 1, (y - 1) * g->step, &slope);
+    const float *const line =
+        g->line +
+        (size_t) gp_sky_cubic(t, s->places.n[1], cubic) * (size_t) g->w;
+    const float *const row[4] = {line, line + g->w, line + 2 * g->w,
+                                 line + 3 * g->w};
+    const float at[4] = {(float) cubic[0], (float) cubic[1], (float) cubic[2],
+                         (float) cubic[3]};
+    for (int x = 0; x < g->w; x++)
+        out[x] = light[x] * (at[0] * row[0][x] + at[1] * row[1][x] +
+                             at[2] * row[2][x] + at[3] * row[3][x]);
+}
+
 /* Row i % h of channel i / h of a level: splines of what is spread on it and on all
  * farther ones. */
 static void find_row(void *ctx, int i, int thread)
@@ -262,6 +282,12 @@ static void find_row(void *ctx, int i, int thread)
     float at[2 * REACH + 1 + 6], along[2 * REACH + 1 + 6];
     const float *from[2 * REACH + 1 + 6];
     int first, middle, n = 0;
+    if (a->sky->single && a->level < a->sky->levels - 1) {
+        weigh_row(a->sky, g, y, gp_sky_grid_row(&a->k->light[a->level], c, y),
+                  out);
+        double_row(a, c, y, line, out);
+        return;
+    }
     divide_weights(y, g->h, at, &first);
     divide_weights(4 * REACH, 8 * REACH + 1, along, &middle);
     for (; n < 2 * REACH + 1 + 6 && first + n < g->h; n++)
@@ -290,13 +316,12 @@ static void stay_row(const struct adding *a, int y, float *own, float *rows,
                      size_t apart)
 {
     const struct gp_sources *const src = a->d->src;
-    if (src->row[y] == src->row[y + 1])
-        return;
-    gp_sky_own(a->sky, src->w, src->h, y, own);
-    for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+    const uint32_t first = src->row[y], end = src->row[y + 1];
+    gp_sky_own(a->sky, src->w, src->h, y, src->x + first, end - first, own);
+    for (uint32_t i = first; i < end; i++) {
         for (size_t c = 0; c < 3; c++)
             rows[c * apart + (size_t) src->x[i]] +=
-                (own[src->x[i]] + a->d->more[c]) * src->rgb[c][i];
+                (own[i - first] + a->d->more[c]) * src->rgb[c][i];
     }
 }
 
@@ -463,7 +488,7 @@ gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
     gp_parallel_do(sky->level[last].w * sky->level[last].h, spread_last, &a);
     for (a.level = last; a.level >= 1; a.level--) {
         const struct gp_sky_level *const g = &sky->level[a.level];
-        if (a.level < last)
+        if (a.level < last && !sky->single)
             gp_parallel_do((g->h + g->rows - 1) / g->rows, spread_rows, &a);
         gp_parallel_do(3 * g->h, find_row, &a);
     }

@@ -180,6 +180,11 @@ static double error_at(const struct gp_sky *s, int x, int y,
         right += v * v;
         all += (v + more) * (v + more);
     }
+    a->right[a->w * a->h / 2] += s->single ? s->p.stays : 0.0;
+    if (s->single) // its near weights are what others leave
+        return sqrt(wrong / all) +
+               gp_sky_single_error(s, at, gp_sky_ellipse_at(p, x, y).most,
+                                   a->right);
     const struct errors e = levels_error(s, at);
     return sqrt(wrong / right) + fmax(e.even, e.lamp / sqrt(all));
 }
@@ -193,23 +198,26 @@ static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
     struct apart a = {.w = 2 * g->rx + 1, .h = 2 * g->ry + 1};
     const size_t all = (size_t) a.w * (size_t) a.h, middle = all / 2;
     const double side = gp_sky_ellipse_at(&s->p.projection, x, y).most;
-    float *scratch = NULL, *right = NULL, *own = NULL,
-          factor[GP_SKY_BAND] = {1.0f};
+    float *scratch = NULL, *right = NULL, own, factor[GP_SKY_BAND] = {1.0f};
     struct gp_sky_weights w;
     gp_status st;
     GP_TRY(gp_alloc(log, "bound", gp_sky_weights_room(s, g), sizeof *scratch,
                     &scratch));
     GP_TRY(gp_alloc_zero(log, "bound", g->size, sizeof *right, &right));
-    GP_TRY(gp_alloc(log, "bound", (size_t) s->p.w, sizeof *own, &own));
     GP_TRY(gp_alloc(log, "bound", 2 * all, sizeof *a.right, &a.right));
     a.wrong = a.right + all;
     (void) gp_sky_weights_open(s, 0, first, count, scratch, &w);
     gp_sky_find_block(&w, g->block == 1 ? gp_max(block - 1, 0) : block);
     if (g->block > 1)
         gp_sky_find_factors(&w, block, count, factor);
+    const double at[2] = {x, y};
+    double weight[GP_SKY_LEVELS];
+    if (s->single)
+        gp_sky_single_fit(s, at, side, weight);
     const double stays =
-        gp_sky_weigh_pixels(s, (double[2]) {x, y}, side, a.right, right);
-    gp_sky_own(s, s->p.w, s->p.h, y, own);
+        s->single ? gp_sky_single_pixels(s, at, weight, side, a.right, right)
+                  : gp_sky_weigh_pixels(s, at, side, a.right, right);
+    gp_sky_own(s, s->p.w, s->p.h, y, &(int32_t) {x}, 1, &own);
     const float lane = (float) (g->block == 1 ? block > 0 : x % g->block);
     for (size_t i = 0; i < all; i++) {
         const size_t row = i / (size_t) a.w, column = i % (size_t) a.w;
@@ -220,14 +228,13 @@ static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
         a.wrong[i] = (double) made - a.right[i];
     }
     a.right[middle] = stays;
-    a.wrong[middle] = (double) own[x] + s->given - stays;
+    a.wrong[middle] = (double) own + s->given - stays;
     *out = a;
     a.right = NULL;
 out:
     gp_free(a.right);
     gp_free(scratch);
     gp_free(right);
-    gp_free(own);
     return st;
 }
 

@@ -87,12 +87,19 @@ static void make_place(void *ctx, int i, int thread)
     double at[2];
     gp_sky_place_at(s, i, at);
     const double most = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
+    double weight[GP_SKY_LEVELS];
+    if (s->single)
+        gp_sky_single_fit(s, at, most, weight);
     for (int l = 0; l < s->levels - 1; l++) {
         struct gp_sky_level *const g = &s->level[l];
         const int rows = 2 * g->ry + 1;
         float *const out = g->weight + (size_t) i * g->size;
         short *const span = g->span + 2 * (size_t) i * (size_t) rows;
-        if (l)
+        if (s->single && l)
+            out[0] = (float) weight[l];
+        else if (s->single)
+            s->own[i] = gp_sky_single_pixels(s, at, weight, most, v, out);
+        else if (l)
             gp_sky_weigh_level(s, l, at, most, v, out);
         else
             s->own[i] = gp_sky_weigh_pixels(s, at, most, v, out);
@@ -168,6 +175,8 @@ static void size_levels(struct gp_sky *s)
             .rx = (int) ceil(2.0 * s->ratio * x) + 1,
             .ry = (int) ceil(2.0 * s->ratio * y) + 1,
         };
+        if (s->single)
+            g->rx = g->ry = l ? 0 : GP_SKY_SINGLE_NEAR;
         g->pitch = ((size_t) (2 * g->rx + 1) + 7) / 8 * 8; // whole vectors
         g->size = g->pitch * (size_t) (2 * g->ry + 1);
     }
@@ -208,7 +217,7 @@ static gp_status place_level(const struct gp_log *log, const struct gp_sky *s,
     static const double ALIKE = 0.006;
     const double straight = l ? 0.06 : 0.03; // radians
     const struct gp_projection *const p = &s->p.projection;
-    g->block = GP_SKY_BLOCK;
+    g->block = s->single && l ? 1 : GP_SKY_BLOCK;
     while (g->block > 1 && g->block * g->step * p->dx > straight)
         g->block = g->block == GP_SKY_BLOCK ? GP_SKY_BLOCK / 2 : 1;
     g->rows = 2 * GP_SKY_ROWS;
@@ -236,6 +245,10 @@ static gp_status alloc_levels(const struct gp_log *log, struct gp_sky *s,
                         &g->span));
         GP_TRY(gp_alloc(log, "kernel", places, sizeof *g->sum, &g->sum));
         GP_TRY(place_level(log, s, l, g));
+        if (s->single && l)
+            GP_TRY(gp_alloc(log, "kernel",
+                            (size_t) s->places.n[1] * (size_t) g->w,
+                            sizeof(float), &g->line));
         const size_t room = (2 * (size_t) g->rx + 1) * rows;
         m->room = m->room > room ? m->room : room;
     }
@@ -260,16 +273,36 @@ static void free_levels(struct gp_sky *s)
         gp_free(s->level[l].span);
         gp_free(s->level[l].sum);
         gp_free(s->level[l].column);
+        gp_free(s->level[l].line);
         s->level[l] = (struct gp_sky_level) {0};
     }
+    gp_sky_single_free(&s->single);
     GP_FREE(s->pairs);
     GP_FREE(s->own);
     GP_FREE(s->column);
 }
 
+/* Fills the weights of a single level's nodes between the places of a row. */
+static void make_line(void *ctx, int i, int thread)
+{
+    const struct making *const m = ctx;
+    const int rows = m->s->places.n[1], columns = m->s->places.n[0];
+    struct gp_sky_level *const g = &m->s->level[1 + i / rows];
+    const double *const sum = g->sum + (size_t) (i % rows) * (size_t) columns;
+    float *const line = g->line + (size_t) (i % rows) * (size_t) g->w;
+    (void) thread;
+    for (int x = 0; x < g->w; x++) {
+        const struct gp_sky_column *const b = &g->column[x];
+        double v = 0.0;
+        for (int k = 0; k < 4; k++)
+            v += (double) b->at[k] * sum[b->place + k];
+        line[x] = (float) v;
+    }
+}
+
 /* Makes the levels whose first scale is so many steps, and bounds their error. */
 static gp_status make_levels(const struct gp_log *log, double ratio,
-                             struct gp_sky *s)
+                             bool single, struct gp_sky *s)
 {
     struct making m = {.s = s};
     gp_status st;
@@ -277,12 +310,16 @@ static gp_status make_levels(const struct gp_log *log, double ratio,
     s->error.relative = 0.0;
     s->ratio = ratio;
     s->negligible = ratio > 6.0 ? 1e-5 : 4e-3;
+    if (single)
+        GP_TRY(gp_sky_single_make(log, s));
     size_levels(s);
     GP_TRY(alloc_levels(log, s, &m));
     const int places = s->places.n[0] * s->places.n[1];
     const struct gp_sky_level *const last = &s->level[s->levels - 1];
     gp_parallel_do(places, make_place, &m);
     gp_parallel_do(places, turn_place, &m);
+    if (single)
+        gp_parallel_do((s->levels - 2) * s->places.n[1], make_line, &m);
     gp_parallel_do(last->w * last->h, make_pairs, &m);
     st = gp_sky_error_find(log, s);
 out:
@@ -309,6 +346,9 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     // fourth power
     static const double RATIOS[] = {3.7, 4.5, 8.0};
     static const double MIDDLE = 1e-3; // pixels that weights do not notice
+    // a tolerance that one weight a node may keep; the ratio by which the last level
+    // goes on where those before it end
+    static const double SINGLE = 5e-3, MEETS = 1.1;
     enum { LAST = 2 };
     const double tolerance = p->tolerance > 0.0 ? p->tolerance : 1e-3;
     int i = tolerance < 1e-4 ? LAST : 0;
@@ -334,9 +374,11 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     s->even[1] = fabs(p->projection.y0 - 0.5 * (p->h - 1)) < MIDDLE;
     GP_TRY(gp_sky_outside_make(log, s));
     GP_TRY(gp_sky_outside_table(log, s));
-    do
-        GP_TRY(make_levels(log, RATIOS[i++], s));
-    while (i <= LAST && s->error.relative > 0.99 * tolerance);
+    if (tolerance >= SINGLE && s->levels > 2)
+        GP_TRY(make_levels(log, MEETS, true, s));
+    while (!s->level[0].weight ||
+           (s->error.relative > 0.99 * tolerance && i <= LAST))
+        GP_TRY(make_levels(log, RATIOS[i++], false, s));
     *out = s;
     s = NULL;
 out:

@@ -98,11 +98,12 @@ gp_status gp_sky_columns(const struct gp_log *log, const struct gp_sky *s,
     return st;
 }
 
-void gp_sky_own(const struct gp_sky *s, int w, int h, int y, float *row)
+void gp_sky_own(const struct gp_sky *s, int w, int h, int y, const int32_t *x,
+                size_t n, float *own)
 {
     if (s->sphere) {
-        for (int x = 0; x < w; x++)
-            row[x] = (float) s->sphere->own[y + s->sphere->y0];
+        for (size_t i = 0; i < n; i++)
+            own[i] = (float) s->sphere->own[y + s->sphere->y0];
         return;
     }
     const struct gp_sky_column *const column = s->column + (s->p.w - w) / 2;
@@ -110,8 +111,8 @@ void gp_sky_own(const struct gp_sky *s, int w, int h, int y, float *row)
     t = gp_sky_place_of(s, 1, y + (s->p.h - h) / 2, &slope);
     const int down = gp_sky_cubic(t, s->places.n[1], at);
     int known = -1;
-    for (int x = 0; x < w; x++) {
-        const struct gp_sky_column *const b = &column[x];
+    for (size_t i = 0; i < n; i++) {
+        const struct gp_sky_column *const b = &column[x[i]];
         for (int k = 0; k < 4 && b->place != known; k++) {
             line[k] = 0.0;
             for (int j = 0; j < 4; j++)
@@ -119,7 +120,7 @@ void gp_sky_own(const struct gp_sky *s, int w, int h, int y, float *row)
                     at[j] * s->own[(down + j) * s->places.n[0] + b->place + k];
         }
         known = b->place;
-        row[x] =
+        own[i] =
             (float) (line[0] * (double) b->at[0] + line[1] * (double) b->at[1] +
                      line[2] * (double) b->at[2] + line[3] * (double) b->at[3]);
     }

@@ -23,7 +23,8 @@
  * cubic B-splines, from grid to grid, a half in size each, is spread there, and
  * comes back the same way. Each term ends at A(l + 1), so that a grid costs a
  * quarter of the one before it, and all together a third of the first term.
- * Weights are those of true angles at every place of every grid. */
+ * Weights are those of true angles at every place of every grid. Where a tolerance
+ * allows it, from 5e-3 on, a node spreads to itself alone: single.c. */
 #ifndef GP_GLARE_SKY_H
 #define GP_GLARE_SKY_H
 
@@ -83,9 +84,11 @@ GP_MUST_CHECK gp_status gp_sky_add(const struct gp_log *log,
                                    struct gp_sky_kept **kept);
 void gp_sky_kept_free(struct gp_sky_kept **kept);
 
-/* Fills `row` with the share of a pixel's light that the levels leave in it, in row y
- * of a frame of w x h pixels in the middle of those that they are for. */
-void gp_sky_own(const struct gp_sky *sky, int w, int h, int y, float *row);
+/* Fills `own` with the share of its light that the levels leave in each of n pixels,
+ * of columns x, which ascend, in row y of a frame of w x h pixels in the middle of
+ * those that they are for. */
+void gp_sky_own(const struct gp_sky *sky, int w, int h, int y, const int32_t *x,
+                size_t n, float *own);
 
 /* Leaves what is beyond a fisheye's rim dark, in a row of a layer. */
 void gp_sky_cut_row(const struct gp_sky *sky, int y, float *row);

@@ -14,6 +14,9 @@ enum {
     GP_SKY_BAND = 16,   // rows of a task, and most of a group
     GP_SKY_LEVELS = 12, // most
     GP_SKY_TAPS = 4,    // nodes that a cubic B-spline meets
+    GP_SKY_SINGLE_NEAR =
+        2, // pixels that level 0 reaches, where others have one
+           // weight a node
 };
 
 /* The light of all models by the square of the chord, and where it goes. */
@@ -53,14 +56,20 @@ struct gp_sky_level {
                    // of dx + rx; owned
     double *sum;   // of each place's weights; owned
     struct gp_sky_column *column; // every `block`, and one more; owned
+    float *line; // single: of row k of places the weight of node x at [k][x];
+                 // owned
 };
 
 struct gp_sky_sphere; // sphere.h
+struct gp_sky_single; // single.c
 
 struct gp_sky {
     struct gp_sky_params p;
     struct gp_sky_light light;
-    double ratio;      // root of A, in steps of the level
+    double ratio;                 // root of A, in steps of the level
+    struct gp_sky_single *single; // levels but the last have one weight a node,
+                                  // which is not divided by splines; or NULL;
+                                  // owned
     double negligible; // share of the light there, of a weight that is none
     struct gp_sky_places places;
     bool even[2]; // the axis is in the middle: mirrored places have mirrored
@@ -162,6 +171,27 @@ void gp_sky_weigh_level(const struct gp_sky *s, int level, const double at[2],
                         double most, double *scratch, float *out);
 double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
                            double most, double *scratch, float *out);
+
+// -- single.c -----------------------------------------------------------------
+
+/* Makes s->single, by the scales of s->ratio. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sky_single_make(const struct gp_log *log,
+                                           struct gp_sky *s);
+void gp_sky_single_free(struct gp_sky_single **single);
+
+/* Fits the weight of each level at a place, per steradian. */
+void gp_sky_single_fit(const struct gp_sky *s, const double at[2], double most,
+                       double weight[GP_SKY_LEVELS]);
+
+/* As gp_sky_weigh_pixels(), beside these weights. */
+double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
+                            const double weight[GP_SKY_LEVELS], double most,
+                            double *scratch, float *out);
+
+/* The norm of the error at a place over the layer's; `near` has the pixels' weights,
+ * what stays among them. */
+double gp_sky_single_error(const struct gp_sky *s, const double at[2],
+                           double most, const double *near);
 
 // -- bound.c ------------------------------------------------------------------
 

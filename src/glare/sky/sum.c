@@ -268,8 +268,11 @@ void gp_sky_find_factors(const struct gp_sky_weights *w, int i, int n,
         for (int r = 0; r < n; r++)
             sum[r] += w->row[r][j] * across;
     }
+    // near weights are of either sign, and their sum is none
     for (int r = 0; r < n; r++)
-        factor[r] = (float) (sum[r] / (middle + (r - w->middle) * grows));
+        factor[r] = w->s->single
+                        ? 1.0f
+                        : (float) (sum[r] / (middle + (r - w->middle) * grows));
 }
 
 // -- sums ---------------------------------------------------------------------

@@ -115,6 +115,57 @@ static void many_lights_are_within_the_bound(void **state)
     }
 }
 
+/* A band of light, even but for bars, of which `period` pixels are a pair; 0: even. */
+static struct gp_sources bars(int w, int h, int period)
+{
+    enum { HIGH = 12 };
+    const struct gp_sources like = {.w = w, .h = h};
+    struct gp_sources s;
+    assert_ok(gp_sources_make(NULL, &like, (size_t) (HIGH * w), &s));
+    for (int i = 0; i < HIGH * w; i++) {
+        if (!period || (i % w) % period < period / 2)
+            gp_sources_add(&s, i % w, h / 2 + i / w, (float[3]) {1, 1, 1});
+    }
+    gp_sources_finish(&s);
+    return s;
+}
+
+/* One weight a node: lamps, many lights, even light and bars as wide as nodes are
+ * apart within the bound, which a tolerance of 0.01 takes where it keeps that. */
+static void one_weight_a_node_is_within_the_bound(void **state)
+{
+    enum { W = 128, H = 72 };
+    static const double fovs[] = {20, 60};
+    static const int periods[] = {0, 2, 8};
+    (void) state;
+    for (size_t i = 0; i < COUNT(fovs) * COUNT(models); i++) {
+        struct gp_sky_params p =
+            sky_params(models[i / COUNT(fovs)], GP_PERSPECTIVE, W, H,
+                       fovs[i % COUNT(fovs)], 0.5);
+        struct gp_sky *sky = sky_of(&p);
+        assert_non_null(sky->single);
+        const double bound = gp_sky_error_of(sky)->relative;
+        for (size_t k = 0; k < 3 + COUNT(periods); k++) {
+            struct gp_sources src =
+                k < 2    ? sky_lamps(W, H, 1, k ? W - 3 : 65, k ? H - 2 : 36)
+                : k == 2 ? sky_lamps(W, H, 100, 0, 0)
+                         : bars(W, H, periods[k - 3]);
+            const struct errors e = compare(sky, &src);
+            if (e.all > bound)
+                print_message("# %zu, light %zu: %.2e of %.2e\n", i, k, e.all,
+                              bound);
+            assert_true(e.all <= bound);
+            gp_sources_free(&src);
+        }
+        gp_sky_free(&sky);
+        p.tolerance = 0.01;
+        sky = sky_of(&p);
+        assert_true(gp_sky_error_of(sky)->relative <= 0.01);
+        assert_true((sky->single != NULL) == (bound <= 0.0099));
+        gp_sky_free(&sky);
+    }
+}
+
 /* The light at a pixel by the formulas of the definition alone: the eye's, of true
  * angles between points of both pixels. */
 static double eye_at(const struct gp_sky_params *p, const double at[2],
@@ -420,5 +471,7 @@ static void light_comes_from_beside_the_frame(void **state)
 }
 
 SUITE_OF(sky, NULL, NULL, levels_are_the_sum, a_tolerance_is_kept,
-         many_lights_are_within_the_bound, the_sum_is_as_defined, light_is_kept,
-         laws_hold, hard_frames_are_served, light_comes_from_beside_the_frame)
+         many_lights_are_within_the_bound,
+         one_weight_a_node_is_within_the_bound, the_sum_is_as_defined,
+         light_is_kept, laws_hold, hard_frames_are_served,
+         light_comes_from_beside_the_frame)
