@@ -23,41 +23,30 @@ static const struct gltf_wrong {
     const char *name, *json;
     const char *part; // of the line that says so
 } gltf_wrong[] = {
-    {"two versions",
-     "'asset': {'version': '1.0'}", "duplicate"},
-    {"nodes that are no array",
-     "'nodes': {}", "\"nodes\" is not an array"},
-    {"a node that is a number",
-     "'nodes': [3]", "\"nodes\" 0 is not an object"},
-    {"a node in itself",
-     "'nodes': [{'children': [0]}]", "a circle"},
-    {"a circle of two nodes",
-     "'nodes': [{'children': [1]}, {'children': [0]}]", "a circle"},
-    {"two parents",
-     "'nodes': [{'children': [2]}, {'children': [2]}, {}]",
+    {"two versions", "'asset': {'version': '1.0'}", "duplicate"},
+    {"nodes that are no array", "'nodes': {}", "\"nodes\" is not an array"},
+    {"a node that is a number", "'nodes': [3]", "\"nodes\" 0 is not an object"},
+    {"a node in itself", "'nodes': [{'children': [0]}]", "a circle"},
+    {"a circle of two nodes", "'nodes': [{'children': [1]}, {'children': [0]}]",
+     "a circle"},
+    {"two parents", "'nodes': [{'children': [2]}, {'children': [2]}, {}]",
      "another parent"},
-    {"a child that is not there",
-     "'nodes': [{'children': [1]}]", "no such child"},
-    {"half a child",
-     "'nodes': [{'children': [0.5]}]", "no such child"},
-    {"a mesh that is not there",
-     "'nodes': [{'mesh': 0}]", "no such \"mesh\""},
+    {"a child that is not there", "'nodes': [{'children': [1]}]",
+     "no such child"},
+    {"half a child", "'nodes': [{'children': [0.5]}]", "no such child"},
+    {"a mesh that is not there", "'nodes': [{'mesh': 0}]", "no such \"mesh\""},
     {"a matrix with perspective",
      "'nodes': [{'matrix': [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]",
      "perspective"},
-    {"a scale of two numbers",
-     "'nodes': [{'scale': [1, 2]}]", "\"scale\""},
-    {"a place at 1e300",
-     "'nodes': [{'translation': [1, 2, 1e300]}]", "\"translation\""},
-    {"a root that is not there",
-     "'nodes': [{}], 'scenes': [{'nodes': [1]}]", "holds no root"},
-    {"a scene that is not there",
-     "'scene': 0", "no such \"scene\""},
-    {"Draco",
-     "'extensionsRequired': ['KHR_draco_mesh_compression']",
+    {"a scale of two numbers", "'nodes': [{'scale': [1, 2]}]", "\"scale\""},
+    {"a place at 1e300", "'nodes': [{'translation': [1, 2, 1e300]}]",
+     "\"translation\""},
+    {"a root that is not there", "'nodes': [{}], 'scenes': [{'nodes': [1]}]",
+     "holds no root"},
+    {"a scene that is not there", "'scene': 0", "no such \"scene\""},
+    {"Draco", "'extensionsRequired': ['KHR_draco_mesh_compression']",
      "KHR_draco_mesh_compression"},
-    {"meshopt",
-     "'extensionsRequired': ['EXT_meshopt_compression']",
+    {"meshopt", "'extensionsRequired': ['EXT_meshopt_compression']",
      "EXT_meshopt_compression"},
     {"places that are matrices",
      "'accessors': [{'componentType': 5126, 'count': 3, 'type': 'MAT4'}], "
@@ -71,9 +60,9 @@ static const struct gltf_wrong {
     {"2 GB of zeros",
      "'accessors': [{'componentType': 5126, 'count': 100000000, 'type': "
      "'VEC3'}], 'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}"
-     "]}]", "out of proportion"},
-    {"a buffer without URI",
-     "'buffers': [{'byteLength': 4}]", "no \"uri\""},
+     "]}]",
+     "out of proportion"},
+    {"a buffer without URI", "'buffers': [{'byteLength': 4}]", "no \"uri\""},
     {"a buffer cut off",
      "'buffers': [{'byteLength': 4, 'uri': 'data:x;base64,AAAA'}]",
      "truncated (3 bytes"},
@@ -82,19 +71,43 @@ static const struct gltf_wrong {
      "'bufferViews': [{'buffer': 0, 'byteOffset': 2147483647, 'byteLength'"
      ": 1}], 'accessors': [{'bufferView': 0, 'componentType': 5121, 'count'"
      ": 1, 'type': 'VEC3'}], 'meshes': [{'primitives': [{'attributes': {"
-     "'POSITION': 0}}]}]", "byteOffset"},
+     "'POSITION': 0}}]}]",
+     "byteOffset"},
     {"a view of 2 GB",
      "'buffers': [{'byteLength': 3, 'uri': 'data:x;base64,AAAA'}], "
      "'bufferViews': [{'buffer': 0, 'byteOffset': 2, 'byteLength': 2147483"
      "600}], 'accessors': [{'bufferView': 0, 'componentType': 5121, 'count'"
      ": 1, 'type': 'VEC3'}], 'meshes': [{'primitives': [{'attributes': {"
-     "'POSITION': 0}}]}]", "leaves its buffer"},
+     "'POSITION': 0}}]}]",
+     "leaves its buffer"},
     {"strides of 33 GB",
      "'buffers': [{'byteLength': 3, 'uri': 'data:x;base64,AAAA'}], "
      "'bufferViews': [{'buffer': 0, 'byteLength': 3, 'byteStride': 252}], "
      "'accessors': [{'bufferView': 0, 'componentType': 5121, 'count': "
      "134217000, 'type': 'VEC3'}], 'meshes': [{'primitives': [{"
-     "'attributes': {'POSITION': 0}}]}]", "leaves its buffer view"},
+     "'attributes': {'POSITION': 0}}]}]",
+     "leaves its buffer view"},
+    {"a view of a byte more than its buffer",
+     "'buffers': [{'byteLength': 3, 'uri': 'data:x;base64,AAAA'}], "
+     "'bufferViews': [{'buffer': 0, 'byteOffset': 1, 'byteLength': 3}], "
+     "'accessors': [{'bufferView': 0, 'componentType': 5121, 'count': 1, "
+     "'type': 'VEC3'}], 'meshes': [{'primitives': [{'attributes': {"
+     "'POSITION': 0}}]}]",
+     "leaves its buffer"},
+    {"an element of a byte more than its view",
+     "'buffers': [{'byteLength': 3, 'uri': 'data:x;base64,AAAA'}], "
+     "'bufferViews': [{'buffer': 0, 'byteLength': 2}], 'accessors': [{"
+     "'bufferView': 0, 'componentType': 5121, 'count': 1, 'type': 'VEC3'}], "
+     "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}]",
+     "end at byte 3 of 2"},
+    {"a sparse element after the last",
+     "'buffers': [{'byteLength': 3, 'uri': 'data:x;base64,AQAA'}], "
+     "'bufferViews': [{'buffer': 0, 'byteLength': 3}], 'accessors': [{"
+     "'componentType': 5121, 'count': 1, 'type': 'VEC3', 'sparse': {'count': "
+     "1, 'indices': {'bufferView': 0, 'componentType': 5121}, 'values': {"
+     "'bufferView': 0}}}], 'meshes': [{'primitives': [{'attributes': {"
+     "'POSITION': 0}}]}]",
+     "replaces element 1 of 1"},
     {"a light of no type",
      "'extensions': {'KHR_lights_punctual': {'lights': [{}]}}",
      "light 0: no \"type\""},
@@ -104,19 +117,19 @@ static const struct gltf_wrong {
      "innerConeAngle"},
     {"a range of 0",
      "'extensions': {'KHR_lights_punctual': {'lights': [{'type': 'point', "
-     "'range': 0}]}}", "\"range\" is not over 0"},
-    {"a turn by nothing",
-     "'nodes': [{'rotation': [0, 0, 0, 0]}]", "node 0: \"rotation\""},
+     "'range': 0}]}}",
+     "\"range\" is not over 0"},
+    {"a turn by nothing", "'nodes': [{'rotation': [0, 0, 0, 0]}]",
+     "node 0: \"rotation\""},
     {"a light that is not there",
      "'nodes': [{'extensions': {'KHR_lights_punctual': {'light': 0}}}]",
      "no such light"},
-    {"a camera without angle",
-     "'cameras': [{'type': 'perspective'}]", "yfov"},
+    {"a camera without angle", "'cameras': [{'type': 'perspective'}]", "yfov"},
     {"a camera of 229 degrees",
      "'cameras': [{'type': 'perspective', 'perspective': {'yfov': 4}}]",
      "yfov"},
-    {"an unknown alphaMode",
-     "'materials': [{'alphaMode': 'MASKED'}]", "alphaMode"},
+    {"an unknown alphaMode", "'materials': [{'alphaMode': 'MASKED'}]",
+     "alphaMode"},
     {"keys that do not rise",
      "'nodes': [{}], 'accessors': [{'componentType': 5126, 'count': 2, "
      "'type': 'SCALAR'}, {'componentType': 5126, 'count': 2, 'type': 'VEC3'"
@@ -143,14 +156,12 @@ static const struct gltf_wrong {
      GLTF_WRONG_MESH("AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAA",
                      "AAABAAMA"),
      "index 2 is 3, there are 3 vertices"},
-    {"a light of NaN cd", GLTF_WRONG_LIGHT("'intensity': NaN"),
-     "not JSON"},
+    {"a light of NaN cd", GLTF_WRONG_LIGHT("'intensity': NaN"), "not JSON"},
     {"a light of infinite cd", GLTF_WRONG_LIGHT("'intensity': 1e999"),
      "not JSON"},
     {"a light of 1e300 cd", GLTF_WRONG_LIGHT("'intensity': 1e300"),
      "intensity"},
-    {"a light of -1 cd", GLTF_WRONG_LIGHT("'intensity': -1"),
-     "intensity"},
+    {"a light of -1 cd", GLTF_WRONG_LIGHT("'intensity': -1"), "intensity"},
     {"a light of infinite range", GLTF_WRONG_LIGHT("'range': 1e999"),
      "not JSON"},
     {"a light of endless colour", GLTF_WRONG_LIGHT("'color': [1e300, 1, 1]"),
@@ -160,7 +171,8 @@ static const struct gltf_wrong {
      "a circle"},
     {"-1 places",
      "'accessors': [{'componentType': 5126, 'count': -1, 'type': 'VEC3'}], "
-     "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}]", "count"},
+     "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}]",
+     "count"},
     {"9e15 places",
      "'accessors': [{'componentType': 5126, 'count': 9007199254740993, 'type': "
      "'VEC3'}], 'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}]",

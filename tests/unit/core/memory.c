@@ -156,6 +156,38 @@ static void blocks_are_apart(void **state)
     gp_keep_memory(true);
 }
 
+static int by_place(const void *a, const void *b)
+{
+    const uintptr_t x = *(const uintptr_t *) a, y = *(const uintptr_t *) b;
+    return (x > y) - (x < y);
+}
+
+/* More blocks than the list has room for, pages and parts of pages, from holes
+ * too: none is another. They are not touched, so that they take no memory. */
+static void the_list_of_blocks_is_full(void **state)
+{
+    enum { BLOCKS = 2000, PART = 200 << 10 };
+    static void *block[BLOCKS];
+    static uintptr_t place[BLOCKS];
+    size_t n = 0;
+    need_kept_blocks();
+    for (int i = 0; i < BLOCKS; i++) {
+        const size_t bytes = i < BLOCKS / 2 ? 2 * MIB : PART;
+        assert_ok(gp_alloc(NULL, "test", bytes, 1, &block[i]));
+        if (i < BLOCKS / 2 && i % 100 == 99)
+            GP_FREE(block[i]); // a hole for parts
+    }
+    for (int i = 0; i < BLOCKS; i++) {
+        if (block[i])
+            place[n++] = (uintptr_t) block[i];
+    }
+    qsort(place, n, sizeof *place, by_place);
+    for (size_t i = 1; i < n; i++)
+        assert_true(place[i] - place[i - 1] >= PART);
+    for (int i = 0; i < BLOCKS; i++)
+        gp_free(block[i]);
+}
+
 static void *use_blocks(void *arg)
 {
     for (int i = 0; i < 60; i++) {
@@ -246,4 +278,5 @@ static int keep_memory(void **state)
 
 SUITE_OF(memory, keep_memory, NULL, pages_return, blocks_are_apart,
          parts_are_apart, sizes_are_checked, memory_is_full, small_and_none,
-         zero_of_a_used_block, resized, threads_share)
+         zero_of_a_used_block, resized, threads_share,
+         the_list_of_blocks_is_full)
