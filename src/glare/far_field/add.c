@@ -123,8 +123,9 @@ GP_CLONES static void limit_column(const float *restrict z, double scale,
 static gp_status find_error(const struct gp_log *log, const struct gp_far_field *t,
                             struct gp_far_state *s)
 {
-    static const double ROUNDINGS = 64.0; // of a sum of products: two lines of
-                                          // a step's pixels and nodes, and more
+    // of sums of products: 24 of two lines of a step's pixels, and 40 of the
+    // transforms, gp_fft_pixel_error() of 2^19 nodes
+    static const double ROUNDINGS = 64.0;
     const int nx = s->pair[0].n, ny = s->pair[1].n;
     const double step = t->split.step, area = step * step;
     const double points = (double) nx * ny;
@@ -215,12 +216,11 @@ double gp_far_pixel_error(const struct gp_far_state *s,
                            const struct gp_far_field *t,
                            const struct gp_sources *src, int c)
 {
-    static const double TRANSFORM = 2e-5; // of the most: gp_fft_pixel_error()
     const double norm = sqrt(src->energy[c]);
     const double most = fmin((double) src->brightest * t->norm1[c],
                              norm * t->norm2[c]);
     return fmin(s->error.pixel * src->flux[c], s->error.column * norm) +
-           (s->error.rounding + TRANSFORM) * most;
+           s->error.rounding * most;
 }
 
 // -- light to the grid --------------------------------------------------------

@@ -164,6 +164,161 @@ static void sums_are_those_of_the_kernel(void **state)
     }
 }
 
+/* A far field that waves along x, some way right of its light, as no model's
+ * does: pixels. */
+struct wave {
+    double at, wide, high, period;
+};
+
+static double across(const struct wave *w, int x)
+{
+    const double z = (x - w->at) / w->wide;
+    return exp(-0.5 * z * z) * (1.0 + cos(2.0 * acos(-1.0) * x / w->period));
+}
+
+static double down(const struct wave *w, int y)
+{
+    return exp(-0.5 * y * y / (w->high * w->high));
+}
+
+static void waving(const void *ctx, int x, int y, double out[3])
+{
+    out[0] = across(ctx, x) * down(ctx, y);
+}
+
+static struct made make_wave(int w, int h, const struct wave *wave)
+{
+    const struct gp_far_split split = {.from = 1.0, .to = 2.0, .step = 8};
+    struct made m = {0};
+    assert_ok(gp_far_make(NULL, &split, w, h,
+                          &(struct gp_far_kernel) {waving, wave, true, false},
+                          &m.t));
+    assert_ok(gp_far_open(NULL, m.t, &m.s));
+    return m;
+}
+
+/* The light of columns [0, n), along[x], in rows [y0, y1). */
+struct columns {
+    const float *along; // of either sign
+    int n, y0, y1;
+};
+
+static struct gp_sources sources_of(const struct made *m,
+                                    const struct columns *l)
+{
+    const struct gp_sources like = {.w = m->t->w, .h = m->t->h};
+    struct gp_sources s;
+    assert_ok(
+        gp_sources_make(NULL, &like, (size_t) (l->n * (l->y1 - l->y0)), &s));
+    for (int i = l->y0 * l->n; i < l->y1 * l->n; i++) {
+        const float v = fabsf(l->along[i % l->n]), rgb[3] = {v, v, v};
+        if (v > 0.0f)
+            gp_sources_add(&s, i % l->n, i / l->n, rgb);
+    }
+    gp_sources_finish(&s); // wants sizes
+    for (size_t i = 0; i < s.n; i++)
+        s.rgb[0][i] = l->along[s.x[i]];
+    return s;
+}
+
+/* Returns the error's norm over the light's, and its largest sample. The far
+ * field is added to `over`, so that no sample becomes negative. */
+static double wave_error(const struct made *m, const struct wave *wave,
+                         const struct columns *l, float over, double *largest)
+{
+    const int w = m->t->w, h = m->t->h;
+    const size_t pixels = (size_t) w * (size_t) h;
+    struct gp_sources s = sources_of(m, l);
+    struct gp_planes p;
+    struct gp_far_rows *rows = NULL;
+    double norm = 0.0, *const high = scene_alloc((size_t) h, sizeof *high);
+    assert_ok(gp_planes_make(NULL, "layer", pixels, &p));
+    for (size_t i = 0; i < 3 * pixels; i++)
+        p.c[i / pixels][i % pixels] = over;
+    assert_ok(gp_far_find(NULL, m->t, m->s, &s, &p, &rows));
+    gp_parallel_do(3 * h, gp_far_add_row, rows);
+    gp_far_rows_free(&rows);
+    for (int y = l->y0; y < l->y1; y++) {
+        for (int to = 0; to < h; to++)
+            high[to] += down(wave, to - y);
+    }
+    *largest = 0.0;
+    for (int x = 0; x < w; x++) {
+        double exact = 0.0;
+        for (int from = 0; from < l->n; from++) {
+            if (l->along[from] != 0.0f)
+                exact += (double) l->along[from] * across(wave, x - from);
+        }
+        for (int y = 0; y < h; y++) {
+            const double d =
+                (double) (p.c[0][y * w + x] - over) - exact * high[y];
+            norm += d * d;
+            *largest = fmax(*largest, fabs(d));
+        }
+    }
+    norm = sqrt(norm / s.energy[0]);
+    gp_planes_free(&p);
+    gp_sources_free(&s);
+    free(high);
+    return norm;
+}
+
+/* What a kernel has between the frequencies of the grid and the next ones is in
+ * the limits: of light that waves alike, of the column and of the worst pixel of
+ * one light. */
+static void what_the_grid_does_not_hold_is_in_the_limits(void **state)
+{
+    static const double PERIODS = 0.57; // a step; the grid holds up to 0.5
+    enum { LIT = 1100, H = 160 };
+    const struct wave wave = {600.0, 120.0, 16.0, 8.0 / PERIODS};
+    struct made m = make_wave(1800, H, &wave);
+    const struct gp_far_error *const e = gp_far_error_of(m.s);
+    float light[LIT];
+    double largest, pixel = 0.0, column = 0.0;
+    (void) state;
+    for (int x = 0; x < LIT; x++)
+        light[x] = (float) (0.01 * cos(2.0 * acos(-1.0) * x / wave.period));
+    const double norm =
+        wave_error(&m, &wave, &(struct columns) {light, LIT, 0, H}, 64.0f,
+                   &largest) /
+        e->norm;
+    for (int x = 400; x < 408; x++) {
+        const struct columns one = {light, LIT, 80, 81};
+        memset(light, 0, sizeof light);
+        light[x] = 1.0f;
+        column = fmax(column,
+                      wave_error(&m, &wave, &one, 64.0f, &largest) / e->column);
+        pixel = fmax(pixel, largest / e->pixel);
+    }
+    print_message("%.2g of the norm, %.2g of a pixel, %.2g of a column\n", norm,
+                  pixel, column);
+    assert_true(norm > 0.5 && norm <= 1.0 && pixel <= 1.0 && column <= 1.0);
+    drop_far(&m);
+}
+
+/* Where the grid holds all of a kernel, roundings are what is wrong: three of
+ * float, of a flat light that a search found. */
+static void roundings_are_in_the_limits(void **state)
+{
+    enum { SIDE = 700 };
+    static const float FOUND = 0x1.172b84p0f;
+    const struct wave wave = {880.0, 160.0, 160.0, INFINITY};
+    struct made m = make_wave(1700, SIDE, &wave);
+    float light[SIDE];
+    double largest;
+    (void) state;
+    for (int x = 0; x < SIDE; x++)
+        light[x] = FOUND;
+    const double norm = wave_error(
+        &m, &wave, &(struct columns) {light, SIDE, 0, SIDE}, 0.0f, &largest);
+    print_message("%.3g roundings, %.2g of the norm\n",
+                  norm / (m.t->norm1[0] * 0x1p-24),
+                  norm / gp_far_error_of(m.s)->norm);
+    assert_true(norm > 2.0 * 0x1p-24 * m.t->norm1[0]);
+    assert_true(norm <= gp_far_error_of(m.s)->norm);
+    drop_far(&m);
+}
+
 /* The sum that a far field says it has is that of its samples, and light in the
  * middle leaves a frame's part of it. */
 static void sums_are_kept(void **state)
@@ -240,5 +395,6 @@ static void larger_frames_are_refused(void **state)
 }
 
 SUITE_OF(far_field, NULL, NULL, sums_are_those_of_the_kernel, sums_are_kept,
-         discs_have_far_fields, larger_frames_are_refused)
-
+         what_the_grid_does_not_hold_is_in_the_limits,
+         roundings_are_in_the_limits, discs_have_far_fields,
+         larger_frames_are_refused)
