@@ -200,6 +200,90 @@ static void needles_stay_on_their_circles(void **state)
     gp_recipe_free(&other);
 }
 
+/* Needles end 5 degrees from the light: some are left before, none after. */
+static void needles_end_where_they_are_said_to(void **state)
+{
+    enum { R = 199 };
+    struct gp_recipe even = scene_recipe("spencer:light=mesopic");
+    struct gp_recipe rays = scene_recipe("spencer:light=mesopic,needles=120");
+    const struct gp_recipe *const r[2] = {&even, &rays};
+    struct gp_kernel k[2];
+    struct gp_field f = plain;
+    double before = 0.0, after = 0.0;
+    (void) state;
+    f.w = f.h = R + 1;
+    for (int i = 0; i < 2; i++) {
+        struct gp_kernel core;
+        assert_ok(gp_model_kernel(NULL, r[i], 1, &f, &core));
+        assert_ok(gp_kernel_whole(NULL, &core, f.w, f.h, &k[i]));
+        gp_kernel_free(&core);
+    }
+    for (int i = 0; i < (2 * R + 1) * (2 * R + 1); i++) {
+        const int x = i % (2 * R + 1) - R, y = i / (2 * R + 1) - R;
+        const double t = f.degrees * hypot(x, y);
+        double v[2] = {0};
+        for (int c = 0; c < 6; c++)
+            v[c / 3] += (double) plain.luminance[c % 3] *
+                        sample_at(&k[c / 3], c % 3, x, y);
+        const double uneven = fabs(v[1] / v[0] - 1.0);
+        if (t > 4.4 && t < 4.6)
+            before = fmax(before, uneven);
+        if (t > 5.1)
+            after = fmax(after, uneven);
+    }
+    print_message("uneven by %g before the end, by %g after it\n", before,
+                  after);
+    assert_true(before > 0.05 && after < 2e-3);
+    for (int i = 0; i < 2; i++)
+        gp_kernel_free(&k[i]);
+    gp_recipe_free(&even);
+    gp_recipe_free(&rays);
+}
+
+/* What a halo adds, in luminance, is its weight of eqs. 7 and 8 times f3. */
+static void halos_have_their_weights(void **state)
+{
+    enum { BANDS = 20 };
+    static const struct {
+        const char *with, *without;
+        double weight;
+    } rows[] = {
+        {"spencer:light=mesopic,halo=1", "spencer:light=mesopic,halo=0", 0.016},
+        {"spencer:light=scotopic,halo=1", "spencer:light=scotopic,halo=0",
+         0.033},
+    };
+    double nm[BANDS], rgb[BANDS][3];
+    (void) state;
+    gp_spectrum_colours(plain.chromaticities, BANDS, nm, rgb);
+    for (size_t row = 0; row < COUNT(rows); row++) {
+        double got = 0.0, want = 0.0;
+        for (int i = 0; i < 2; i++) {
+            struct gp_recipe r =
+                scene_recipe(i ? rows[row].without : rows[row].with);
+            struct gp_shape s;
+            assert_ok(r.model->open(NULL, &r, &plain, &s));
+            for (int x = 60; x <= 160; x++) { // 1.7 to 4.4 degrees
+                const double t = x * plain.degrees;
+                const double area =
+                    gp_plane_factor(t) * plain.degrees * plain.degrees;
+                double v[3], *const out[3] = {&v[0], &v[1], &v[2]};
+                s.row(s.state, x, 0, 1, out);
+                for (int c = 0; c < 3; c++)
+                    got += (i ? -1.0 : 1.0) * (double) plain.luminance[c] *
+                           v[s.grey ? 0 : c] / area;
+                for (int j = 0; j < 3 * BANDS && i == 0; j++)
+                    want += rows[row].weight * rgb[j / 3][j % 3] *
+                            (double) plain.luminance[j % 3] *
+                            gp_spencer_term(3, t, nm[j / 3]);
+            }
+            s.free(s.state);
+            gp_recipe_free(&r);
+        }
+        print_message("%s: %.4f of its halo\n", rows[row].with, got / want);
+        assert_true(fabs(got / want - 1.0) < 0.01);
+    }
+}
+
 /* The halo's colours are added to the corona's grey, at each angle, as `halo` has
  * it of eq. 8's luminance; by itself they are pale. */
 static void halo_is_added_to_the_corona(void **state)
@@ -265,4 +349,5 @@ static void halo_is_added_to_the_corona(void **state)
 SUITE_OF(model_eye, start, NULL, light_goes_as_far_as_published,
          total_equation_is_absolute, general_equation_is_the_cies,
          eyes_adapt_to_frames, needles_stay_on_their_circles,
+         needles_end_where_they_are_said_to, halos_have_their_weights,
          halo_is_added_to_the_corona)

@@ -208,6 +208,34 @@ static void cutouts_are_wrapped(void **state)
     assert_true(stopped > 500 && free > 500);
 }
 
+/* Alpha that is the cut-off stops a ray, as glTF has it: of a material, and of a
+ * texture times that. */
+static void alpha_of_the_cutoff_is_opaque(void **state)
+{
+    for (int textured = 0; textured < 2; textured++) {
+        struct gp_scene s = made_scene();
+        struct gp_meshes meshes = {0};
+        struct gp_rays rays = {0};
+        const int one = 0, holes = textured ? made_holes(&s, 4, 1) : -1;
+        const int m = made_material(&s, 0.5f, holes);
+        s.material[m].base[3] = 0.5f;
+        made_put(&s, made_card(&s, m), (struct gp_v3) {0, 0, 0},
+                 (struct gp_v3) {2, 2, 1}, 0);
+        assert_ok(gp_rays_make(NULL, &s, &meshes, &one, 1, &rays));
+        int stopped = 0;
+        for (int i = 0; i < 16; i++) { // middles of texels
+            const struct gp_v3 from = {0.5 * (i % 4) - 0.75,
+                                       0.5 * (int) (i / 4) - 0.75, 1.0};
+            stopped +=
+                gp_rays_stopped(&rays, from, (struct gp_v3) {0, 0, -2}, 1.0);
+        }
+        assert_int_equal(stopped, textured ? 8 : 16);
+        gp_rays_free(&rays);
+        gp_meshes_free(&meshes);
+        made_free(&s);
+    }
+}
+
 /* An object of no height hides as one that has some; one that is a line or a
  * point hides nothing. */
 static void flat_objects_hide(void **state)
@@ -286,6 +314,5 @@ static void empty_trees_stop_nothing(void **state)
 }
 
 SUITE_OF(rays, NULL, NULL, rays_meet_what_each_triangle_says,
-         cutouts_are_wrapped, flat_objects_hide, places_without_end,
-         empty_trees_stop_nothing)
-
+         cutouts_are_wrapped, alpha_of_the_cutoff_is_opaque, flat_objects_hide,
+         places_without_end, empty_trees_stop_nothing)

@@ -164,6 +164,24 @@ static void light_is_that_of_the_formula(void **state)
     }
 }
 
+/* A surface is not in its own shadow where its normal is not quite that of its
+ * triangles, as a curved mesh's is: places of a pixel are below them then. */
+static void curved_surfaces_throw_no_shadow_on_themselves(void **state)
+{
+    static const float LEAN = 0.003f;
+    float clear[W * H];
+    (void) state;
+    made_point(&scene, (struct gp_v3) {0.4, 0.2, 6}, 100.0, 20.0);
+    for (int i = 0; i < W * H; i++)
+        normal[1].v[i] = LEAN;
+    add(0, 0, all);
+    memcpy(clear, rgb.c[1], sizeof clear);
+    gp_planes_clear(&rgb, 0, W * H);
+    add(0, 1, all); // the ground alone
+    for (int i = 0; i < W * H; i++)
+        assert_true(rgb.c[1][i] >= clear[i]);
+}
+
 static void settings_of_a_pass_count(void **state)
 {
     made_point(&scene, (struct gp_v3) {0.4, 0.2, 6}, 100.0, 20.0);
@@ -389,7 +407,7 @@ static void passes_of_a_call_are_calls(void **state)
 }
 
 SUITE_OF_EACH(relight, set_up, tear_down, first_triangle_is_found,
-         light_is_that_of_the_formula, edges_have_the_shares_of_the_frame,
-         light_follows_albedo, settings_of_a_pass_count,
-         passes_of_a_call_are_calls)
-
+              light_is_that_of_the_formula, edges_have_the_shares_of_the_frame,
+              light_follows_albedo, settings_of_a_pass_count,
+              curved_surfaces_throw_no_shadow_on_themselves,
+              passes_of_a_call_are_calls)

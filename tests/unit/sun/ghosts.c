@@ -181,6 +181,35 @@ static void runs_equal_the_sum_over_sources(void **state)
     }
 }
 
+/* Elements of one place are one run where their sources flicker alike: by as
+ * much, with one seed. */
+static void sources_of_a_run_flicker_alike(void **state)
+{
+    static const struct {
+        double flicker[2];
+        int seed[2], runs;
+    } rows[] = {
+        {{0.5, 0.5}, {3, 3}, 1},
+        {{0.5, 0.5}, {3, 4}, 2},
+        {{0.5, 0.3}, {3, 3}, 2},
+        {{0.0, 0.0}, {3, 4}, 1},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_flare_element e[2] = {ELEMENT(.at = 0.5, .size = 0.3),
+                                        ELEMENT(.at = 0.5, .size = 0.2)};
+        struct gp_ghosts g = {0};
+        for (int k = 0; k < 2; k++) {
+            e[k].flicker = rows[i].flicker[k];
+            e[k].seed = rows[i].seed[k];
+        }
+        const struct gp_flare f = flare_of(e, 2);
+        assert_ok(
+            gp_ghosts_make(&kept_log, &f, frames[0][0], frames[0][1], &g));
+        assert_int_equal(g.n, rows[i].runs);
+        gp_ghosts_free(&g);
+    }
+}
+
 /* Flux and centroid are those of the sources, scaled about the centre. */
 static void sources_keep_flux_and_centroid(void **state)
 {
@@ -333,5 +362,6 @@ static void refuses_huge_images(void **state)
 }
 
 SUITE_OF(ghosts, NULL, NULL, runs_equal_the_sum_over_sources,
-         sources_keep_flux_and_centroid,          runs_state_the_error_of_splits, far_sources_are_cut,
+         sources_of_a_run_flicker_alike, sources_keep_flux_and_centroid,
+         runs_state_the_error_of_splits, far_sources_are_cut,
          refuses_huge_images)
