@@ -353,6 +353,45 @@ static void bodies_throw_umbras(void **state)
     made_free(&s);
 }
 
+/* A depth that its renderer has rounded is that of the surface, before or behind
+ * its box: the scissor holds it. */
+static void rounded_depths_are_in_the_scissor(void **state)
+{
+    static const float off[] = {1.0f - 5e-4f, 1.0f, 1.0f + 5e-4f};
+    static struct shot shot;
+    struct gp_scene s = made_scene();
+    const struct gp_v3 eye = {0, -10, 2};
+    const struct gp_camera c =
+        made_camera(&s, eye, (struct gp_v3) {0, 0, 2}, 50.0, (double) W / H);
+    made_put(&s, made_box(&s, 0), (struct gp_v3) {0, 0, 2},
+             (struct gp_v3) {4, 0, 4}, 0.0); // flat, across the view
+    made_point(&s, (struct gp_v3) {0, -6, 2}, 100.0, 30.0);
+    for (size_t i = 0; i < COUNT(off); i++) {
+        struct gp_sets *sets;
+        int seen = 0;
+        shot_take(&s, c, eye, W, H, &shot);
+        for (int k = 0; k < shot.pixels; k++)
+            shot.depth[k] *= shot.object[k] < 0 ? 1.0f : off[i];
+        const struct gp_sets_view view = shot_view(&shot);
+        assert_ok(gp_sets_open(NULL, &s, &view, GP_SETS_ALL, &sets));
+        const struct gp_scissor cut = gp_sets_light(sets, 0);
+        for (int k = 0; k < shot.pixels; k++) {
+            const double z = (double) shot.depth[k];
+            if (shot.object[k] < 0)
+                continue;
+            seen++;
+            if (!(k % W >= cut.rect.x0 && k % W < cut.rect.x1 &&
+                  k / W >= cut.rect.y0 && k / W < cut.rect.y1 &&
+                  z >= cut.near && z <= cut.far))
+                fail_msg("%g of the depth: pixel %d, %d is cut off",
+                         (double) off[i], k % W, k / W);
+        }
+        assert_true(seen > 20);
+        gp_sets_close(&sets);
+    }
+    made_free(&s);
+}
+
 /* 15.2.1: 14 batches of ambient light, and for each of three lights all of them
  * for shadows and all for light: 98. */
 static void example_of_98(void **state)
@@ -463,6 +502,7 @@ SUITE(sets)
     const CMUnitTestFunction tests[] = {
         nothing_is_lost, many_tiles, depths_show_more_than_objects,
         figure_15_1, figure_15_2, bodies_throw_umbras, example_of_98,
+        rounded_depths_are_in_the_scissor,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
         time_sets();
@@ -471,7 +511,8 @@ SUITE(sets)
                                 "nothing_is_lost, many_tiles, "
                                 "depths_show_more_than_objects, "
                                 "figure_15_1, figure_15_2, "
-                                "bodies_throw_umbras, example_of_98",
+                                "bodies_throw_umbras, example_of_98, "
+                                "rounded_depths_are_in_the_scissor",
                                 NULL, NULL, NULL, NULL);
 }
 
