@@ -2,6 +2,7 @@
 /* The planner: which engine, the tolerances, and that no frame before decides. */
 #include "unit.h"
 #include "core/parallel.h"
+#include "glare/far_field/far_field.h"
 #include "glare/glare_priv.h"
 #include "glare_scene.h"
 
@@ -115,6 +116,94 @@ static void a_pixel_may_need_double(void **state)
     scene_free(&s);
 }
 
-SUITE_OF(plan, NULL, NULL,
-    a_frame_alone_decides, the_tolerance_is_kept_or_a_warning_printed,
-    a_bound_over_the_tolerance_is_not_taken, a_pixel_may_need_double)
+/* A far field that a coarse grid holds badly, as no model's is. */
+static void rippling(const void *ctx, int x, int y, double out[3])
+{
+    const double r = hypot(x, y);
+    (void) ctx;
+    out[0] = 1e-4 * exp(-r / 60.0) * (1.2 + cos(2.0 * acos(-1.0) * r / 19.0));
+}
+
+enum { FAR_W = 260, FAR_H = 200 };
+
+/* A kernel of that far field and a dim core, and its exact layer. */
+static struct scene far_scene(void)
+{
+    const struct gp_far_split split = gp_far_choose(0.0, 1.0, 0, FAR_W, FAR_H);
+    const int w = 2 * FAR_W - 1, h = 2 * FAR_H - 1;
+    struct gp_planes one, all;
+    struct gp_kernel k, plain;
+    struct scene s;
+    assert_ok(gp_planes_make(NULL, "core", 1, &one));
+    assert_ok(gp_planes_make(NULL, "all", (size_t) w * (size_t) h, &all));
+    for (int i = 0; i < 3 * w * h; i++) {
+        const int x = i / 3 % w - w / 2, y = i / 3 / w - h / 2;
+        double v[3];
+        rippling(NULL, x, y, v);
+        all.c[i % 3][i / 3] = (float) (v[0] * gp_far_share(&split, x, y)) +
+                              (x == 0 && y == 0 ? 1e-4f : 0.0f);
+    }
+    for (int c = 0; c < 3; c++)
+        one.c[c][0] = 1e-4f;
+    assert_ok(gp_kernel_of_planes(NULL, "core", 1, 1, &one, &k));
+    assert_ok(gp_kernel_of_planes(NULL, "all", w, h, &all, &plain));
+    s = scene_make(scene_frame(FAR_W, FAR_H, 0, 0, CORNERS, 1u), plain, &usual);
+    assert_ok(gp_far_make(NULL, &split, FAR_W, FAR_H,
+                          &(struct gp_far_kernel) {rippling, NULL, true, true},
+                          &k.far));
+    for (int c = 0; c < 3; c++) {
+        k.norm1[c] += k.far->norm1[c];
+        k.norm2[c] += k.far->norm2[c];
+    }
+    gp_kernel_free(&s.k);
+    s.k = k;
+    return s;
+}
+
+/* What the far field's grid does not hold is in the bound that is reported, of a
+ * named engine too; it is over what roundings are. */
+static void a_far_field_is_in_the_bound(void **state)
+{
+    static const char *const engines[] = {"auto", "fft"};
+    struct scene s = far_scene();
+    for (size_t i = 0; i < 2 * COUNT(engines); i++) {
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare g = {0};
+        struct glarepp_layer_facts stats = {0};
+        p.engine = engines[i / 2];
+        p.in_double = i % 2;
+        p.tolerance = 1e9f;
+        assert_ok(gp_glare_run(&kept_log, &p, &g, &s.src, &s.k, &s.f, &stats));
+        const double wrong = scene_rel_l2(&s);
+        print_message("%s: %g, bound %g\n", engines[i / 2], wrong, stats.bound);
+        assert_true(wrong > 1e-3 && wrong <= stats.bound);
+        gp_glare_close(&g);
+    }
+    scene_free(&s);
+}
+
+/* Where a far field guarantees a pixel too little, the whole kernel is summed. */
+static void a_pixel_may_need_the_whole_kernel(void **state)
+{
+    struct scene s = scene_sense(scene_frame(FAR_W, FAR_H, 0, 0, FEW, 3u),
+                                 (struct gp_kernel) {0}, &usual);
+    const struct gp_field field = scene_field(FAR_W, FAR_H, 1.0 / 12.0, 1.0);
+    struct gp_glare g = {0};
+    model_make("spencer", &field, &s.k);
+    assert_non_null(s.k.far);
+    const struct glarepp_layer_facts loose = run_auto(&s, 1.0, 1e9, &g);
+    assert_null(strstr(loose.why, "whole"));
+    const struct glarepp_layer_facts tight =
+        run_auto(&s, 1.0, 0.1 * loose.bound_pixel, &g);
+    print_message("%s\n%s\n", loose.why, tight.why);
+    assert_non_null(strstr(tight.why, "whole"));
+    assert_true(tight.bound_pixel <= 0.1 * loose.bound_pixel);
+    assert_string_equal(kept_warning, "");
+    gp_glare_close(&g);
+    scene_free(&s);
+}
+
+SUITE_OF(plan, NULL, NULL, a_frame_alone_decides,
+         the_tolerance_is_kept_or_a_warning_printed,
+         a_bound_over_the_tolerance_is_not_taken, a_pixel_may_need_double,
+         a_far_field_is_in_the_bound, a_pixel_may_need_the_whole_kernel)
