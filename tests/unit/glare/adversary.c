@@ -164,8 +164,18 @@ static double least_ratio(bool anywhere, const struct scene *s)
 
 /* The bounds, and the sides of the frames that are searched. */
 enum bound {
-    FFT, DIRECT, FFT_SAMPLE, DIRECT_SAMPLE, FFT_PIXEL, DIRECT_PIXEL, CORE,
-    SHRINK, LEAST, FFT_LEAST, BOUNDS,
+    FFT,
+    DIRECT,
+    FFT_SAMPLE,
+    DIRECT_SAMPLE,
+    FFT_PIXEL,
+    DIRECT_PIXEL,
+    CORE,
+    SHRINK,
+    SHRINK_GROUPS,
+    LEAST,
+    FFT_LEAST,
+    BOUNDS,
 };
 static const struct {
     const char *name;
@@ -182,6 +192,7 @@ static const struct {
     {"direct, a pixel", 8, &gp_engine_direct, COMPOSITE, {0}},
     {"core", 16, NULL, LAYER, {.group = 4}},
     {"shrink", 10, NULL, LAYER, {.group = 1, .shrink = 0.2f}},
+    {"shrink of groups", 16, NULL, LAYER, {.group = 4, .shrink = 0.2f}},
     {"layer_least", 9, NULL, LAYER, {0}},
     {"fft_least", 9, NULL, LAYER, {0}},
 };
@@ -354,5 +365,29 @@ static void bounds_are_not_twice_too_large(void **state)
     gp_set_threads(0);
 }
 
+/* Made for one term, without which each is over its bound; others are far over
+ * their error here. */
+static void terms_of_bounds_are_needed(void **state)
+{
+    static const struct {
+        enum bound b;
+        struct toy t;
+    } row[] = {
+        // an even group, of which only what its box carries past its reach is
+        // left out
+        {SHRINK_GROUPS,
+         {24, 4, 33, 1, 16, 0, "0000....................",
+          "008888888888888888888888888888800"}},
+    };
+    gp_set_threads(1);
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct toy t = row[i].t;
+        const double ratio = measure(row[i].b, &t);
+        print_message("%s: %.3g\n", bounds[row[i].b].name, ratio);
+        assert_true(ratio > 0.0);
+    }
+    gp_set_threads(0);
+}
+
 SUITE_OF(adversary, NULL, NULL, no_frame_is_over_its_bound,
-         bounds_are_not_twice_too_large)
+         bounds_are_not_twice_too_large, terms_of_bounds_are_needed)
