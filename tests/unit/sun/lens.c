@@ -220,6 +220,37 @@ static void plate_in_closed_form(void **state)
     }
 }
 
+/* A mirror that is a sphere turns light along the axis back up to R / sqrt 2 from
+ * it; rays that meet it farther out go on, and make no ghost. */
+static void rays_that_are_not_turned_back_make_no_ghost(void **state)
+{
+    static const char *const texts[] = {
+        "{'name': 'ball', 'surfaces': [{'stop': true, 'semi': 12, 'thickness':"
+        "1}, {'thickness': 2, 'n': 1.5, 'semi': 60}, {'radius': 10,"
+        "'thickness': 20, 'n': 1.55, 'semi': 9.9}, {'semi': 60}]}",
+        "{'name': 'bowl', 'surfaces': [{'stop': true, 'semi': 12, 'thickness':"
+        "1}, {'thickness': 8, 'n': 1.5, 'semi': 60}, {'radius': -10,"
+        "'thickness': 20, 'n': 1.55, 'semi': 9.9}, {'semi': 60}]}",
+    };
+    int arrived = 0;
+    for (size_t i = 0; i < COUNT(texts); i++) {
+        const struct gp_lens lens = lens_of(texts[i]);
+        struct gp_lens_optics o;
+        struct gp_lens_path path;
+        gp_lens_optics_make(&lens, GP_D_LINE, &o);
+        gp_lens_path(&lens, 2, 1, &path);
+        for (int k = 1; k < 99; k++) {
+            const double x = 0.1 * k;
+            const struct gp_lens_hit h =
+                gp_lens_trace(&o, &path, x, 0.0, 0.0, NULL);
+            arrived += h.through >= 0.0f;
+            if (h.through >= 0.0f && x > 10.0 * sqrt(0.5))
+                fail_msg("%s: a ray at %g arrives", lens.says.name, x);
+        }
+    }
+    assert_true(arrived > 20);
+}
+
 /* A thin lens behind the stop: all of the stop's disc reaches the sensor, with
  * Fresnel's factors of normal incidence. */
 static void thin_lens_in_closed_form(void **state)
@@ -298,5 +329,6 @@ static void coats_reflect_less(void **state)
 
 SUITE_OF(lens, make_folder, remove_folder, reads_lenses, refuses_lenses,
     meets_claims, middles_agree, images_land, plate_in_closed_form,
+         rays_that_are_not_turned_back_make_no_ghost,
     thin_lens_in_closed_form, blades_in_closed_form, energy_is_kept,
     coats_reflect_less)
