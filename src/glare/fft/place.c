@@ -102,15 +102,14 @@ double gp_fft_rounding(bool in_double)
 double gp_fft_bound(const struct gp_sources *s, const struct gp_fft_norms *k,
                     double least, const struct gp_fft_placing *p)
 {
-    static const double CERTAIN = 1e-6; // sums in double lose what is under it
-    double noise = 0.0, layer = 0.0;    // squares
+    double noise = 0.0, layer = 0.0; // squares
     for (int c = 0; c < 3; c++) {
         const double norm = sqrt(s->energy[c]);
         const double young = fmin(norm * k->sum[c], s->flux[c] * k->norm[c]);
         noise += norm * norm * k->norm[c] * k->norm[c];
         layer += young * young;
     }
-    if (!(least > CERTAIN * sqrt(noise)))
+    if (!(least > 0.0))
         return INFINITY;
     return sqrt(gp_log((double) p->nx * p->ny) / M_LN2) *
            (2.0 * STAGE * sqrt(noise) + (STAGE + 2.0 * ADDING) * sqrt(layer)) /

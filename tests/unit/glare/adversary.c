@@ -373,6 +373,9 @@ static void terms_of_bounds_are_needed(void **state)
         enum bound b;
         struct toy t;
     } row[] = {
+        // the last pixel, one over a length, wraps around to the first
+        {FFT, {12, 1, 6, 1, 0, 0, "0000........", "000000"}},
+        {FFT, {1, 12, 1, 6, 0, 0, "0000........", "000000"}},
         // an even group, of which only what its box carries past its reach is
         // left out
         {SHRINK_GROUPS,

@@ -57,8 +57,8 @@ static struct scene beside(float rest)
  * under it nothing is left, and the kernel says so. */
 static void bounds_know_the_range(void **state)
 {
-    static const float rests[] = {1e-3f,  1e-20f, 1e-30f,
-                                  1e-36f, 2e-38f, 1e-42f};
+    static const float rests[] = {1e-3f,  1e-9f,  1e-13f, 1e-20f,
+                                  1e-30f, 1e-36f, 2e-38f, 1e-42f};
     int large = 0;
     for (size_t r = 0; r < COUNT(rests); r++) {
         struct scene s = beside(rests[r]);

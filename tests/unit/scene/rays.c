@@ -208,6 +208,37 @@ static void cutouts_are_wrapped(void **state)
     assert_true(stopped > 500 && free > 500);
 }
 
+/* Rays through the edge of two triangles, up to roundings of the place. */
+static void no_ray_slips_through_an_edge(void **state)
+{
+    uint64_t seed = 3;
+    (void) state;
+    for (int k = 0; k < 20; k++) {
+        struct gp_scene s = made_scene();
+        struct gp_meshes meshes = {0};
+        struct gp_rays rays = {0};
+        const int one = 0;
+        made_put_along(&s, made_card(&s, 0), (struct gp_v3) {0.1, 0.2, 0.3},
+                       (struct gp_v3) {3, 2, 1},
+                       (struct gp_v3) {made_between(&seed, -1, 1),
+                                       made_between(&seed, -1, 1), 0.7});
+        assert_ok(gp_rays_make(NULL, &s, &meshes, &one, 1, &rays));
+        const double *const m = s.object[0].to_world;
+        for (int i = 0; i < 500; i++) {
+            const double t = made_between(&seed, -0.5, 0.5); // from a to c
+            const struct gp_v3 at = {m[12] + t * (m[0] + m[4]),
+                                     m[13] + t * (m[1] + m[5]),
+                                     m[14] + t * (m[2] + m[6])};
+            const struct gp_v3 from = {made_between(&seed, -9, 9),
+                                       made_between(&seed, -9, 9), 8.0};
+            assert_true(gp_rays_stopped(&rays, from, gp_v3_sub(at, from), 2.0));
+        }
+        gp_rays_free(&rays);
+        gp_meshes_free(&meshes);
+        made_free(&s);
+    }
+}
+
 /* Alpha that is the cut-off stops a ray, as glTF has it: of a material, and of a
  * texture times that. */
 static void alpha_of_the_cutoff_is_opaque(void **state)
@@ -314,5 +345,6 @@ static void empty_trees_stop_nothing(void **state)
 }
 
 SUITE_OF(rays, NULL, NULL, rays_meet_what_each_triangle_says,
-         cutouts_are_wrapped, alpha_of_the_cutoff_is_opaque, flat_objects_hide,
-         places_without_end, empty_trees_stop_nothing)
+         cutouts_are_wrapped, alpha_of_the_cutoff_is_opaque,
+         no_ray_slips_through_an_edge, flat_objects_hide, places_without_end,
+         empty_trees_stop_nothing)

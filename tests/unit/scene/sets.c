@@ -500,8 +500,13 @@ static void time_sets(void)
 SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
-        nothing_is_lost, many_tiles, depths_show_more_than_objects,
-        figure_15_1, figure_15_2, bodies_throw_umbras, example_of_98,
+        nothing_is_lost,
+        many_tiles,
+        depths_show_more_than_objects,
+        figure_15_1,
+        figure_15_2,
+        bodies_throw_umbras,
+        example_of_98,
         rounded_depths_are_in_the_scissor,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))

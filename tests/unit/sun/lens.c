@@ -328,7 +328,6 @@ static void coats_reflect_less(void **state)
 }
 
 SUITE_OF(lens, make_folder, remove_folder, reads_lenses, refuses_lenses,
-    meets_claims, middles_agree, images_land, plate_in_closed_form,
-         rays_that_are_not_turned_back_make_no_ghost,
-    thin_lens_in_closed_form, blades_in_closed_form, energy_is_kept,
-    coats_reflect_less)
+         meets_claims, middles_agree, images_land, plate_in_closed_form,
+         rays_that_are_not_turned_back_make_no_ghost, thin_lens_in_closed_form,
+         blades_in_closed_form, energy_is_kept, coats_reflect_less)
