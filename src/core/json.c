@@ -166,6 +166,31 @@ gp_status gp_json_fail(const struct gp_json_place *p, const char *fmt, ...)
 
 // -- reading -----------------------------------------------------------------
 
+size_t gp_json_memory(const char *text, size_t bytes)
+{
+    size_t sum = bytes;
+    for (size_t i = 0; i < bytes; i++) {
+        switch (text[i]) {
+        case '{':
+            sum += 210;
+            break;
+        case '[':
+            sum += 120;
+            break;
+        case ',':
+        case ':':
+            sum += 40;
+            break;
+        case '"':
+            sum += 24;
+            break;
+        default:
+            break;
+        }
+    }
+    return sum;
+}
+
 gp_status gp_json_parse(const struct gp_log *log, const char *path,
                         const char *text, size_t bytes, json_t **out)
 {
@@ -198,7 +223,7 @@ gp_status gp_json_parse(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* Reads a file or pipe, at most `most` bytes, into the caller's *block. */
+/* Reads a file, at most `most` bytes, into the caller's *block. */
 static gp_status read_bytes(const struct gp_log *log, const char *path, int fd,
                             size_t most, void **block, size_t *bytes)
 {
@@ -219,54 +244,30 @@ static gp_status read_bytes(const struct gp_log *log, const char *path, int fd,
     return st;
 }
 
-gp_status gp_load_file(const struct gp_log *log, const char *path, size_t most,
-                       void **out, size_t *size)
-{
-    gp_status st;
-    void *block = NULL;
-    size_t bytes = 0;
-    struct stat about;
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
-                       path, strerror(errno));
-    if (fstat(fd, &about) == 0 && S_ISDIR(about.st_mode))
-        GP_TRY(gp_fail(log, GP_ERR_IO,
-                       "%s: cannot read (it is a folder); name a file", path));
-    GP_TRY(read_bytes(log, path, fd, most + 1, &block, &bytes));
-    if (bytes > most)
-        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too large (over %zu KiB); split "
-                       "it", path, most >> 10));
-    *out = block;
-    *size = bytes;
-    block = NULL; // the caller's
-out:
-    gp_free(block);
-    close(fd);
-    return st;
-}
-
 gp_status gp_open_regular(const struct gp_log *log, const char *path, int *fd,
                           uint64_t *size)
 {
     struct stat about = {0};
-    gp_status st;
+    gp_status st = GP_OK;
     const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     // a socket cannot be opened (ENXIO)
-    if (file < 0 && errno != ENXIO)
-        return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
-                       path, strerror(errno));
-    if (file < 0 || fstat(file, &about) != 0 || !S_ISREG(about.st_mode)) {
-        st = file >= 0 && S_ISDIR(about.st_mode)
-                 ? gp_fail(log, GP_ERR_IO, "%s: cannot read (it is a folder); "
-                           "name a file", path)
-                 : gp_fail(log, GP_ERR_DATA, "%s: no regular file (found a "
-                           "FIFO, device or socket); put the file itself there",
-                           path);
-        if (file >= 0)
-            close(file);
+    if (file < 0 ? errno != ENXIO : fstat(file, &about) != 0)
+        st = gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
+                     path, strerror(errno));
+    else if (S_ISDIR(about.st_mode))
+        st = gp_fail(log, GP_ERR_IO,
+                     "%s: cannot read (it is a folder); name a "
+                     "file",
+                     path);
+    else if (!S_ISREG(about.st_mode))
+        st = gp_fail(log, GP_ERR_DATA,
+                     "%s: no regular file (found a FIFO, "
+                     "device or socket); give a file",
+                     path);
+    if (st && file >= 0)
+        close(file);
+    if (st)
         return st;
-    }
     *fd = file;
     *size = (uint64_t) about.st_size;
     return GP_OK;
@@ -300,11 +301,15 @@ gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
                        json_t **out)
 {
     void *text = NULL;
-    size_t bytes = 0;
-    gp_status st = gp_load_file(log, path, most, &text, &bytes);
+    uint64_t bytes = 0;
+    gp_status st = gp_load_regular(log, path, most, &text, &bytes);
     if (st)
         return st;
-    st = gp_json_parse(log, path, text, bytes, out);
+    st = bytes > most ? gp_fail(log, GP_ERR_DATA,
+                                "%s: too large (over %zu KiB); split "
+                                "it",
+                                path, most >> 10)
+                      : gp_json_parse(log, path, text, (size_t) bytes, out);
     gp_free(text);
     return st;
 }

@@ -222,11 +222,13 @@ head -c 59 leaf.bin >shorter.bin
 sed 's/leaf.bin/shorter.bin/' leaf.gltf >shorter.gltf
 run --scene shorter.gltf -o o.png small.exr
 fails_with 4 'truncated (59 bytes, "byteLength" is 60)' 'but not longer'
-cat leaf.gltf >fifo.bin &
-timeout 20 "$glarepp" --scene fifo.bin -o o.png small.exr >out 2>err
-status=$?
-status_is 0 'the scene itself may be a pipe'
-wait
+for name in fifo zero; do
+    for option in scene flare lens camera lights; do
+        timeout 20 "$glarepp" --$option $name.bin -o o.png small.exr >out 2>err
+        status=$?
+        fails_with 4 "$name.bin: no regular file" "$name, given to --$option"
+    done
+done
 
 # -- the data's frames ------------------------------------------------------------
 

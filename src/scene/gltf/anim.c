@@ -107,6 +107,7 @@ gp_status gp_gltf_animations(struct gp_gltf *g, struct gp_scene *out)
             json_object_get(gp_gltf_item(g, "animations", i), "channels"));
     if (!channels)
         return GP_OK;
+    GP_TRY(gp_gltf_take(g, channels * sizeof *nodes->key));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) nodes->n, 1, &moved));
     GP_TRY(gp_alloc_zero(g->log, g->path, channels, sizeof *nodes->key,
                          &nodes->key));
@@ -244,32 +245,29 @@ static void camera_from(const double world[16], double out[16])
 
 // -- posing -------------------------------------------------------------------
 
-enum { MOST_INDICES = 4096 };
+enum { MOST_MOVES = 1 << 20 };
 
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
 {
     const struct gp_mesh *const m = &s->mesh[o->mesh];
+    const struct gp_submesh *const part = &s->submesh[m->first];
+    const struct gp_submesh *const last = part + m->submeshes - 1;
+    const int indices = last->first + last->count - part->first;
+    const bool corners = (long long) indices * s->objects > MOST_MOVES;
     struct gp_box box = GP_BOX_EMPTY;
     struct gp_v3 c = {0.0, 0.0, 0.0};
-    double most = 0.0; // squared
-    int indices = 0;
-    for (int k = m->first; k < m->first + m->submeshes; k++)
-        indices += s->submesh[k].count;
-    const bool corners = indices > MOST_INDICES;
+    double most = 0.0;                     // squared
     for (int pass = 0; pass < 2; pass++) { // the box, then the sphere
-        for (int k = m->first; k < m->first + m->submeshes; k++) {
-            const struct gp_submesh *const p = &s->submesh[k];
-            const int n = corners ? 8 : p->count;
-            for (int i = 0; i < n; i++) {
-                const struct gp_v3 at = gp_move(
-                    o->to_world, corners ? gp_box_corner(&m->box, i)
-                                 : gp_scene_vertex(s, s->index[p->first + i]));
-                const struct gp_v3 d = gp_v3_sub(at, c);
-                if (pass == 0)
-                    box = gp_box_with(box, at);
-                else
-                    most = fmax(most, gp_v3_dot(d, d));
-            }
+        const uint32_t *const index = &s->index[part->first];
+        for (int i = 0; i < (corners ? 8 : indices); i++) {
+            const struct gp_v3 at =
+                gp_move(o->to_world, corners ? gp_box_corner(&m->box, i)
+                                             : gp_scene_vertex(s, index[i]));
+            const struct gp_v3 d = gp_v3_sub(at, c);
+            if (pass == 0)
+                box = gp_box_with(box, at);
+            else
+                most = fmax(most, gp_v3_dot(d, d));
         }
         if (!gp_box_empty(box))
             c = gp_box_middle(&box);

@@ -379,11 +379,15 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
                        struct gp_gltf *out)
 {
     struct gp_gltf_span json = {0};
+    uint64_t size;
     gp_status st;
     out->log = log;
     out->path = path;
     gp_gltf_place(out, NULL, 0, &out->whole);
-    GP_TRY(gp_load_file(log, path, MOST_FILE, &out->file, &out->file_bytes));
+    GP_TRY(gp_load_regular(log, path, MOST_FILE, &out->file, &size));
+    if (size > MOST_FILE)
+        GP_TRY(gp_gltf_fail(&out->whole, "over 2 GiB"));
+    out->file_bytes = (size_t) size;
     const bool binary =
         out->file_bytes >= 4 && memcmp(out->file, "glTF", 4) == 0;
     if (binary && out->file_bytes < GLB_HEADER)
@@ -393,8 +397,9 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
         GP_TRY(read_chunks(out, &json));
     else
         json = (struct gp_gltf_span) {out->file, (int) out->file_bytes};
-    GP_TRY(gp_json_parse(log, path, (const char *) json.at, (size_t) json.bytes,
-                         &out->root));
+    const char *const text = (const char *) json.at;
+    GP_TRY(gp_gltf_take(out, gp_json_memory(text, (size_t) json.bytes)));
+    GP_TRY(gp_json_parse(log, path, text, (size_t) json.bytes, &out->root));
     if (json.at == out->file)
         GP_FREE(out->file);
     GP_TRY(check_root(out));

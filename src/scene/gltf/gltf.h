@@ -32,15 +32,14 @@ struct gp_scene_images {
  * their rest pose, instances of one node (EXT_mesh_gpu_instancing) are one, and
  * hidden nodes (KHR_node_visibility) are placed.
  *
- * Memory: 64 MiB, 32 times the size of the file, 400 bytes for each byte of its
- * JSON, and 2 bytes for each texel of its cut-outs: at most 2^24 texels, each
- * image once; what `images` takes to decode one comes on top.
+ * Memory: 64 MiB, 32 times the size of the file, and 2 bytes for each texel of
+ * its cut-outs: at most 2^24 texels, each image once; what `images` takes to
+ * decode one comes on top.
  *
- * Errors: GP_ERR_IO a file cannot be read; GP_ERR_DATA not glTF 2.0, damaged, a
- * buffer or image beside it that is no regular file, a circle of nodes, a
- * number out of its range, an extension that is required and not known (Draco,
- * meshopt); GP_ERR_BUG out of memory; those of
- * `images`. */
+ * Errors: GP_ERR_IO a file cannot be read; GP_ERR_DATA not glTF 2.0, damaged, it,
+ * its buffer or an image is no regular file, a circle of nodes, a number out of
+ * its range, content out of proportion to the file, an extension that is required
+ * and not known (Draco, meshopt); GP_ERR_BUG out of memory; those of `images`. */
 GP_MUST_CHECK gp_status gp_scene_read(
     const struct gp_log *log, const char *path, enum glarepp_up up,
     const struct gp_scene_images *images, struct gp_scene *out);

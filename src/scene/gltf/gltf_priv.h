@@ -181,9 +181,9 @@ GP_MUST_CHECK gp_status gp_gltf_animations(struct gp_gltf *g,
                                            struct gp_scene *out);
 
 /* Sets box and radius of an object from to_world and each vertex of its mesh
- * that a triangle uses; of a mesh with over 4096 indices from the corners of
- * its box, as scenes are posed anew for every frame. Without a vertex the box
- * is empty. */
+ * that a triangle uses; from the corners of the mesh's box where such vertices
+ * times objects of the scene are over 2^20, as scenes are posed anew for every
+ * frame. Without a vertex the box is empty. */
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o);
 
 #endif

@@ -138,6 +138,7 @@ static gp_status read_nodes(struct gp_gltf *g, struct gp_scene *out)
     struct gp_scene_nodes *s;
     const int n = gp_gltf_count(g, "nodes");
     gp_status st;
+    GP_TRY(gp_gltf_take(g, (size_t) n * (sizeof *s->at + sizeof *s->order)));
     GP_TRY(gp_alloc_zero(g->log, g->path, 1, sizeof *s, &out->nodes));
     s = out->nodes;
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *s->at, &s->at));
@@ -320,6 +321,9 @@ static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
         lights += json_object_get(o, "extensions") != NULL;
         cameras += json_object_get(o, "camera") != NULL;
     }
+    GP_TRY(gp_gltf_take(g, objects * sizeof *out->object +
+                               lights * sizeof *out->light +
+                               cameras * sizeof *out->camera));
     GP_TRY(gp_alloc_zero(g->log, g->path, objects, sizeof *out->object,
                          &out->object));
     GP_TRY(gp_alloc_zero(g->log, g->path, lights, sizeof *out->light,

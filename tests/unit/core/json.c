@@ -78,9 +78,9 @@ static void files_that_cannot_be_read(void **state)
     assert_int_equal(read_small("/nowhere/a.json", &root), GP_ERR_IO);
     must_say(1, "/nowhere/a.json: ");
     assert_int_equal(read_small("", &root), GP_ERR_IO);
-    // no size of its own, no end
+    // it has no end
     assert_int_equal(read_small("/dev/zero", &root), GP_ERR_DATA);
-    must_say(3, "too large");
+    must_say(3, "no regular file");
     assert_int_equal(gp_json_read(NULL, folder, GP_JSON_SMALL, &root),
                      GP_ERR_IO);
 }

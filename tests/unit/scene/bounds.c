@@ -28,20 +28,24 @@ static void vertices_of_objects(void **state)
     }
 }
 
-/* A large mesh is held by the corners of its box: every vertex, and little
- * more. */
+/* Where a mesh has many vertices for the number of objects, they are held by the
+ * corners of its box: every vertex, and little more. */
 static void large_mesh(void **state)
 {
+    enum { INDICES = 18720 }; // of the ball
     uint64_t seed = 3;
     struct gp_scene s = made_scene();
     const int ball = made_ball(&s, 0, 40);
-    for (int i = 0; i < 10; i++) {
-        const int at = made_put_along(
-            &s, ball, (struct gp_v3) {i, 2, 3}, (struct gp_v3) {1, 2, i + 1.0},
+    assert_int_equal(s.indices, INDICES);
+    for (int i = 0; i <= (1 << 20) / INDICES; i++)
+        made_put_along(
+            &s, ball, (struct gp_v3) {i, 2, 3},
+            (struct gp_v3) {1, 2, i % 3 + 1},
             (struct gp_v3) {made_random(&seed), 1, made_random(&seed)});
+    for (int at = 0; at < s.objects; at++) {
         const struct gp_object want = s.object[at];
-        gp_bounds_set(&s, &s.object[at]);
-        const struct gp_object *const o = &s.object[at];
+        struct gp_object *const o = &s.object[at];
+        gp_bounds_set(&s, o);
         const struct gp_box both =
             gp_box_with(gp_box_with(o->box, want.box.lo), want.box.hi);
         assert_memory_equal(&both, &o->box, sizeof both);
@@ -49,6 +53,11 @@ static void large_mesh(void **state)
                                                   gp_box_middle(&want.box)));
         assert_true(o->radius >= want.radius - off);
         assert_true(o->radius < 2.0 * want.radius);
+        assert_true(o->radius > 1.1 * want.radius); // of corners
+        s.objects--; // one object fewer: of vertices
+        gp_bounds_set(&s, o);
+        s.objects++;
+        assert_true(fabs(o->radius - want.radius) < 1e-9 * want.radius);
     }
     made_free(&s);
 }

@@ -498,19 +498,59 @@ static void cameras_project_and_are_compared(void **state)
     gp_scene_free(&s);
 }
 
+/* Writes {"asset": ..., "KEY": [ITEM, ITEM, ...]} of `n` items. */
+static const char *write_many(const char *key, const char *item, size_t n)
+{
+    const size_t room = 64 + n * (strlen(item) + 1);
+    char *const text = malloc(room), *to = text;
+    assert_non_null(text);
+    to += sprintf(to, "{\"asset\": {\"version\": \"2.0\"}, \"%s\": [", key);
+    for (size_t i = 0; i < n; i++)
+        to += sprintf(to, "%s%s", i ? "," : "", item);
+    to += sprintf(to, "]}");
+    const char *const file =
+        gm_write_bytes("a.gltf", text, (size_t) (to - text));
+    free(text);
+    return file;
+}
+
+/* A small file cannot take all memory: not by its JSON, which would take 76
+ * bytes for each of its own, and not by what is made of it. */
+static void memory_is_in_proportion_to_the_file(void **state)
+{
+    static const struct {
+        const char *key, *item;
+        size_t n;
+    } row[] = {
+        {"extras", "{}", 600000},
+        {"extras", "[]", 1200000},
+        {"extras", "{\"a\":\"\"}", 1000000},
+        {"nodes", "{}", 200000},
+        {"nodes", "{\"mesh\":0}", 180000},
+    };
+    for (size_t i = 0; i < COUNT(row); i++)
+        gm_refused(write_many(row[i].key, row[i].item, row[i].n), GP_ERR_DATA,
+                   "out of proportion");
+    struct gp_scene s =
+        gm_read(write_many("nodes", "{}", 100000), GLAREPP_UP_Y);
+    gp_scene_free(&s);
+}
+
 SUITE_OF(gltf, make_folder, remove_folder,
-    a_node_is_scaled_turned_and_moved_after_its_parent,
-    a_matrix_is_read_by_columns, z_up_turns_the_world,
-    only_the_nodes_of_the_scene_are_placed,
-    lights_have_the_defaults_of_their_extension,
-    numbers_are_strided_normalised_and_sparse, strips_and_fans_become_triangles,
-    primitives_share_vertices_and_have_boxes_of_their_own,
-    a_glb_has_its_buffer_in_its_second_chunk, a_gltf_has_one_file_beside_it,
-    what_is_wrong_is_one_line,
-    skins_and_targets_warn_once, instances_and_hidden_nodes_warn_once,
-    indices_are_sparse, places_out_of_range_are_at_the_origin,
-    keys_step_and_run_straight, cubic_keys_follow_their_tangents,
-    turns_run_at_one_speed_the_shorter_way,
-    full_memory_is_one_line_and_keeps_nothing,
-    cameras_project_and_are_compared,
-    cameras_of_one_name_are_told_apart_by_node)
+         a_node_is_scaled_turned_and_moved_after_its_parent,
+         a_matrix_is_read_by_columns, z_up_turns_the_world,
+         only_the_nodes_of_the_scene_are_placed,
+         lights_have_the_defaults_of_their_extension,
+         numbers_are_strided_normalised_and_sparse,
+         strips_and_fans_become_triangles,
+         primitives_share_vertices_and_have_boxes_of_their_own,
+         a_glb_has_its_buffer_in_its_second_chunk,
+         a_gltf_has_one_file_beside_it, what_is_wrong_is_one_line,
+         memory_is_in_proportion_to_the_file, skins_and_targets_warn_once,
+         instances_and_hidden_nodes_warn_once, indices_are_sparse,
+         places_out_of_range_are_at_the_origin, keys_step_and_run_straight,
+         cubic_keys_follow_their_tangents,
+         turns_run_at_one_speed_the_shorter_way,
+         full_memory_is_one_line_and_keeps_nothing,
+         cameras_project_and_are_compared,
+         cameras_of_one_name_are_told_apart_by_node)
