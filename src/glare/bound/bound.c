@@ -423,7 +423,9 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
         o.dimmest = fmin(o.dimmest, m.least[i] + more);
         o.brightest = fmax(o.brightest, m.most[i] + more);
     }
-    o.rounded = req->beyond ? 0x1p-22 : 0.0;
+    // light from beyond is rounded 4 times; a sum in double errs by its rounding
+    // to float alone, which the engines bound: by up to .995 of it without more
+    o.rounded = 0x1p-26 + (req->beyond ? 0x1p-22 : 0.0);
     *out = o;
 out:
     gp_free(m.least);
