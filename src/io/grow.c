@@ -60,7 +60,8 @@ struct gp_rect gp_grow_align(const struct gp_frame *f, struct gp_rect window)
 gp_status gp_grow_check(const struct gp_log *log, const struct gp_frame *f,
                         struct gp_rect r, long long max_pixels)
 {
-    enum { MUCH = 1 << 24, TIMES = 16 };
+    // (renderers write an 8K frame without content as one pixel)
+    enum { MUCH = 1 << 24, TIMES = 16, VAST = 8192 * 4320, MOST = 1 << 14 };
     const int most = INT_MAX / 4;
     const long long pixels = (long long) gp_rect_w(r) * gp_rect_h(r);
     const bool far = r.x0 <= -most || r.y0 <= -most || r.x1 >= most ||
@@ -71,6 +72,13 @@ gp_status gp_grow_check(const struct gp_log *log, const struct gp_frame *f,
             "(%d x %d pixels, at most %lld); give --grow none to keep the data "
             "window%s", f->path, gp_rect_w(r), gp_rect_h(r), max_pixels,
             far ? "" : ", or raise --max-pixels");
+    if (pixels > VAST && (size_t) pixels / MOST > gp_frame_pixels(f))
+        return gp_fail(
+            log, GP_ERR_DATA,
+            "%s: its data window (%d x %d pixels) would grow to %d x %d, over "
+            "%d times as many; give --grow none to keep it",
+            f->path, gp_frame_w(f), gp_frame_h(f), gp_rect_w(r), gp_rect_h(r),
+            MOST);
     if (pixels > MUCH && (size_t) pixels / TIMES > gp_frame_pixels(f))
         gp_say(log, GP_LEVEL_WARN,
             "%s: its data window (%d x %d pixels) grows to %d x %d; give "
