@@ -66,6 +66,9 @@ struct gp_exr_index {
     uint64_t type;    // first byte of the attribute "type" of a flat file; or 0
     uint64_t tables;  // first byte of the offset tables, after the header; 0:
                       // it is damaged
+    uint64_t
+        *rebuilt; // in place of the tables of all parts; NULL: the file's own
+    uint64_t chunks; // of all parts
     struct gp_exr_index_part *part;
     int parts;
     struct gp_exr_attr *attr; // of all parts

@@ -294,6 +294,19 @@ gp_exr_attr_find(const struct gp_exr_index_part *part, const char *name,
 
 /* -- the library's context ------------------------------------------------ */
 
+/* Puts the rebuilt tables, little-endian as in the file, over its bytes from
+ * `first` to `end`, which `to` has. */
+static void lay_tables(const struct gp_exr_index *index, void *to,
+                       uint64_t first, uint64_t end)
+{
+    const uint64_t last = index->tables + 8 * index->chunks;
+    const uint64_t a = first > index->tables ? first : index->tables;
+    const uint64_t b = end < last ? end : last;
+    if (a < b)
+        memcpy((char *) to + (a - first),
+               (const char *) index->rebuilt + (a - index->tables), b - a);
+}
+
 /* Some files of one part have the "type" attribute of another file: OpenEXR's
  * own readers use the version's flags instead; OpenEXRCore 3.1.5 trusts the
  * attribute, and refuses the header. So it is hidden from it. */
@@ -310,6 +323,8 @@ static int64_t read_for_library(exr_const_context_t ctxt, void *user, void *to,
     if (got > 0 && hidden && hidden >= offset &&
         hidden - offset < (uint64_t) got)
         ((char *) to)[hidden - offset] = '-'; // "-ype", a name of no use
+    if (got > 0 && in->index->rebuilt)
+        lay_tables(in->index, to, offset, offset + (uint64_t) got);
     return got;
 }
 
@@ -391,6 +406,7 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
             part->chunks = chunks;
         at += (uint64_t) part->chunks * sizeof(uint64_t);
     }
+    index->chunks = (at - index->tables) / sizeof(uint64_t);
     return GP_OK;
 }
 
@@ -402,8 +418,11 @@ bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
     const uint64_t bytes = (uint64_t) n * sizeof *offset;
     const uint64_t at = in->index->part[part].table +
                         (uint64_t) first * sizeof *offset;
-    return gp_exr_read_bytes(&in->stream, offset, bytes, at) ==
-           (int64_t) bytes;
+    const bool whole =
+        gp_exr_read_bytes(&in->stream, offset, bytes, at) == (int64_t) bytes;
+    if (whole && in->index->rebuilt)
+        lay_tables(in->index, offset, at, at + bytes);
+    return whole;
 }
 
 /* The leader has, all numbers little-endian: the part in files of several; y,
@@ -477,6 +496,82 @@ static uint64_t find_end(const struct gp_input *in)
     return bytes ? last + bytes : 0;
 }
 
+/* Returns the place in the tables of the chunk at an offset, by its leader;
+ * -1: none, or one of a part with levels. */
+static int64_t chunk_place(const struct gp_input *in, uint64_t offset,
+                           int *part)
+{
+    const bool multi = in->index->multi;
+    uint8_t leader[20] = {0}; // the last chunk may be shorter
+    int32_t number[5], lines; // part; x, y and levels of a tile, or y
+    uint32_t w, h;
+    exr_storage_t storage;
+    exr_tile_level_mode_t mode;
+    exr_tile_round_mode_t round;
+    exr_attr_box2i_t data;
+    if (gp_exr_read_bytes(&in->stream, leader, sizeof leader, offset) < 0)
+        return -1;
+    memcpy(number + !multi, leader, sizeof leader - (multi ? 0 : 4));
+    *part = multi ? number[0] : 0;
+    if (*part < 0 || *part >= in->parts ||
+        exr_get_storage(in->exr, *part, &storage) ||
+        exr_get_data_window(in->exr, *part, &data))
+        return -1;
+    const struct gp_exr_index_part *const p = &in->index->part[*part];
+    int64_t k;
+    if (exr_get_scanlines_per_chunk(in->exr, *part, &lines) == 0 && lines > 0) {
+        k = ((int64_t) number[1] - data.min.y) / lines;
+    } else {
+        if (exr_get_tile_descriptor(in->exr, *part, &w, &h, &mode, &round) ||
+            mode != EXR_TILE_ONE_LEVEL || w < 1)
+            return -1;
+        const int64_t across =
+            ((int64_t) data.max.x - data.min.x + w) / (int64_t) w;
+        if (number[1] < 0 || number[1] >= across)
+            return -1;
+        k = number[2] * across + number[1];
+    }
+    const int64_t first = (int64_t) (p->table - in->index->tables) / 8;
+    return k >= 0 && k < p->chunks ? first + k : -1;
+}
+
+/* Rebuilds the tables of a file whose writer left them out (OpenImageIO 2.4.7's
+ * of some lat-long pictures), as OpenEXR's library does, if a walk finds each
+ * chunk once and nothing else: else they stay as they are. */
+static gp_status rebuild_tables(const struct gp_log *log, const char *path,
+                                struct gp_input *in)
+{
+    struct gp_exr_index *const index = in->index;
+    uint64_t at = index->tables + 8 * index->chunks, found = 0;
+    uint64_t *table;
+    if (!index->chunks || at > in->stream.size)
+        return GP_OK;
+    const gp_status st =
+        gp_alloc_zero(log, path, index->chunks, sizeof *table, &table);
+    if (st)
+        return st;
+    for (; at < in->stream.size; found++) {
+        int part;
+        const int64_t k = chunk_place(in, at, &part);
+        const uint64_t bytes = k < 0 ? 0 : gp_exr_chunk_bytes(in, part, at);
+        if (!bytes || table[k])
+            break;
+        table[k] = at;
+        at += bytes;
+    }
+    if (at != in->stream.size || found != index->chunks) {
+        gp_free(table);
+        return GP_OK;
+    }
+    index->rebuilt = table;
+    in->end = at;
+    gp_say(log, GP_LEVEL_WARN,
+           "%s: its offset table is incomplete; the chunks are "
+           "all there and were found without it",
+           path);
+    return GP_OK;
+}
+
 /* -- opening and closing -------------------------------------------------- */
 
 gp_status gp_exr_open(const struct gp_log *log, const char *path,
@@ -495,6 +590,8 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
     GP_TRY(parse_header(log, path, in));
     // also parts and levels that are not read must be whole
     in->end = find_end(in);
+    if (in->end == 0)
+        GP_TRY(rebuild_tables(log, path, in));
     if (in->end > in->stream.size)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: truncated (%llu bytes, its chunks need %llu); copy "
@@ -518,6 +615,7 @@ void gp_input_free(void *input)
     gp_stream_close(&in->stream);
     if (in->index) {
         gp_free(in->index->bytes);
+        gp_free(in->index->rebuilt);
         gp_free(in->index->part);
         gp_free(in->index->attr);
     }
