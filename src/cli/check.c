@@ -368,6 +368,14 @@ static gp_status check_outputs(const struct gp_log *log,
                        "light); leave one out", s->lens.lens ? "--lens"
                                                              : "--flare");
     const struct gp_texts *const in = &s->input.files;
+    const struct gp_command_row *c = gp_commands + 1;
+    while (in->n && c->word && strcmp(c->word, in->at[0]) != 0)
+        c++;
+    if (in->n && c->word && access(in->at[0], F_OK) != 0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: no such file (found a command's "
+                       "name); write the command first: glarepp %s",
+                       c->word, c->word);
     const bool saves = s->words.save_settings && !in->n; // nothing else
     if (saves && wants)
         return gp_fail(log, GP_ERR_USAGE, "no input; write %s",

@@ -42,6 +42,8 @@ static const struct hint hints[] = {
     HINT("layer.gain", "lower --gain, or give --max-value")
     HINT("layer.gl", "use the other --gl (osmesa or egl), or --engine fft")
     HINT("layer.gl.egl", "use --gl osmesa")
+    HINT("layer.gl.none", "use --engine fft and --sun-method exact, which need "
+         "none")
     HINT("layer.gl.osmesa", "use --gl egl")
     HINT("layer.in_double", "leave --verify, -k aperture and -k temporal out")
     HINT("layer.levels", "raise --tolerance, or use --engine direct")

@@ -124,7 +124,7 @@ static struct words found_text(const json_t *v)
     if (json_is_array(v))
         snprintf(t.text, sizeof t.text, "an array of %zu", json_array_size(v));
     else if (json_is_number(v))
-        snprintf(t.text, sizeof t.text, "%.9g", json_number_value(v));
+        snprintf(t.text, sizeof t.text, "%.10g", json_number_value(v));
     else
         snprintf(t.text, sizeof t.text, "%s", names[json_typeof(v)]);
     return t;
@@ -137,7 +137,7 @@ static struct words range_text(double lo, double hi)
     if (lo <= -DBL_MAX && hi >= DBL_MAX)
         snprintf(t.text, sizeof t.text, "a finite number");
     else
-        snprintf(t.text, sizeof t.text, "%.9g to %.9g", lo, hi);
+        snprintf(t.text, sizeof t.text, "%.10g to %.10g", lo, hi);
     return t;
 }
 

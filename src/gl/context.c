@@ -467,7 +467,7 @@ gp_status gp_gl_open(const struct gp_log *log, enum gp_gl_api api,
         if (open_system(&quiet, systems[i], out) == GP_OK)
             return GP_OK;
     }
-    return gp_fail_at(log, GP_ERR_GL, "layer.engine", "no GL context: %s; %s",
+    return gp_fail_at(log, GP_ERR_GL, "layer.gl.none", "no GL context: %s; %s",
                       why[0], why[1]);
 }
 

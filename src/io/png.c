@@ -61,6 +61,18 @@ static void read_bytes(png_structp png, png_bytep to, size_t n)
     in->at += n;
 }
 
+/* libpng only warns of rows that the picture has no place for. */
+static void on_read_warning(png_structp png, png_const_charp message)
+{
+    struct png_input *in = png_get_error_ptr(png);
+    if (strstr(message, "Too much image data") ||
+        strstr(message, "Extra compressed data"))
+        gp_say(in->log, GP_LEVEL_WARN,
+               "%s: more data than its %d x %d pixels; "
+               "the rest is left out",
+               in->path, in->width, in->height);
+}
+
 static void on_read_error(png_structp png, png_const_charp message)
 {
     struct png_input *in = png_get_error_ptr(png);
@@ -237,7 +249,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     *in = (struct png_input) {.path = path, .stream = stream, .log = log};
     struct gp_decoded image = {.path = path, .close = close_input, .own = in};
     in->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, in, on_read_error,
-                                     on_warning);
+                                     on_read_warning);
     if (in->png)
         in->info = png_create_info_struct(in->png);
     if (!in->info && !in->st)
@@ -459,6 +471,8 @@ gp_status gp_png_write(const struct gp_log *log,
     const size_t size = libdeflate_zlib_compress(packer, f.to, n, data, room);
     GP_FREE(f.to);
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
+    if (p->fsync)
+        gp_file_sync(t.file);
     GP_TRY(write_chunks(&t, &pic, frame, &tags, p->command, data,
                         size));
     GP_TRY(gp_file_commit(&t.file));

@@ -89,6 +89,11 @@ run --layer there/l.exr --threads 1 vast.exr
 is "$(cat err)" 'glarepp: warning: vast.exr: its data window (8 x 8 pixels) grows to 4200 x 4200; give --grow none to keep it, which takes less memory' \
     'a small window in a vast display: says that memory grows'
 rm there/l.exr
+frame bomb.exr size=4x4 channels=R,G,B display=0,0,15999,15999
+refuses 4 bomb.exr 'a display window out of proportion' bomb.exr
+run --grow none --layer there/l.exr bomb.exr
+status_is 0 'a display window out of proportion: --grow none'
+rm there/l.exr
 for by in -1 7.5 65537 all; do
     refuses 2 --grow "--grow $by" --grow $by in.exr
 done
@@ -552,5 +557,44 @@ PY
         is "$cut" '' "SIG$signal after $delay s leaves whole files only"
     done
 done
+
+# -- words -------------------------------------------------------------------------
+
+run -q kernel -o there/k.exr
+fails_with 2 'kernel: no such file (found a command' 'a command after an option'
+like "$(cat err)" '*write the command first: glarepp kernel' \
+    'a command after an option: what to do'
+ln -s nowhere/a.png there/link.png
+run -q -o there/link.png in.exr
+fails_with 3 'there/link.png: cannot be written (a link into a folder that is not there)' \
+    'a link that leads nowhere'
+rm there/link.png
+echo '{"asset": {"version": "2.0"}, "nodes": [{"mesh": -1}]}' >less.gltf
+run -q --scene less.gltf -o there/a.png in.exr
+fails_with 4 '"mesh" out of range (found -1); give 0 to 2147483647' \
+    'a range is written out'
+"$python" - <<'PY'
+import struct, zlib
+def chunk(kind, data):
+    return (struct.pack(">I", len(data)) + kind + data +
+            struct.pack(">I", zlib.crc32(kind + data)))
+for name, rows, tail in ("rows.png", 9, b""), ("bytes.png", 4, b"more"):
+    open(name, "wb").write(
+        b"\x89PNG\r\n\x1a\n" +
+        chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 4, 8, 2, 0, 0, 0)) +
+        chunk(b"IDAT", zlib.compress(bytes(13 * rows)) + tail) +
+        chunk(b"IEND", b""))
+PY
+for name in rows bytes; do
+    run -t 0 --layer there/a.exr $name.png
+    status_is 0 "a PNG with more $name than its size"
+    like "$(cat err)" "*$name.png: more data than its 4 x 4 pixels; the rest is left out*" \
+        "a PNG with more $name than its size: a warning"
+done
+rm there/a.exr
+GLAREPP_OSMESA=/none.so GLAREPP_EGL=/none.so "$glarepp" -q --sun 3,3,2 \
+    --sun-color 9,9,9 --sun-method readback -o there/a.png in.exr >out 2>err
+like "$(cat err)" '*no GL context: *use --engine fft and --sun-method exact*' \
+    'a sun without GL: what needs none'
 
 done_testing
