@@ -10,5 +10,5 @@ glarepp=${1:-glarepp} folder=${2:-lit}
 frames=${3:-$(dirname "$0")/leaves.####.exr}
 if [ $# -gt 3 ]; then shift 3; else set -- 1001-1002 1003-1004; fi
 parallel -q --will-cite --halt now,fail=1 "$glarepp" --threads 1 --engine fft \
-    -t 4 --no-clobber --create-dir -f {} \
+    -t 4 --no-clobber --fsync --create-dir -f {} \
     --hdr "$folder/lit.####.exr" -o "$folder/lit.####.png" "$frames" ::: "$@"

@@ -42,5 +42,5 @@ from=$((first + SLURM_ARRAY_TASK_ID * n))
 to=$((from + n - 1))
 [ "$to" -le "$last" ] || to=$last
 [ "$from" -le "$to" ] || exit 0 # more tasks than frames
-exec "${GLAREPP:-glarepp}" --frames "$from-$to" --no-clobber --create-dir \
+exec "${GLAREPP:-glarepp}" --frames "$from-$to" --no-clobber --fsync --create-dir \
     --threads "${SLURM_CPUS_PER_TASK:-1}" --hdr "$output" "$@" "$input"

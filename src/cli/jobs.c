@@ -401,7 +401,7 @@ static gp_status check_missing(const struct gp_log *log,
             (errno != ENOENT && errno != ENOTDIR))
             continue;
         for (int k = i; k < i + j->views && complete; k++)
-            complete = gp_job_complete(&s->output.write, j, &j->job[k]);
+            complete = gp_job_complete(NULL, &s->output.write, j, &j->job[k]);
         if (complete)
             continue;
         first = first ? first : input;
@@ -633,8 +633,8 @@ int gp_jobs_of_frame(const struct gp_jobs *j)
     return j->view.n ? j->view.n : 1;
 }
 
-bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
-                     const struct gp_job *job)
+bool gp_job_complete(const struct gp_log *log, const struct gp_write_params *p,
+                     const struct gp_jobs *j, const struct gp_job *job)
 {
     int from = (int) (job - j->job), jobs = 1;
     if (!p->no_clobber || j->targets == 0)
@@ -651,9 +651,9 @@ bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
         if (t->hero && k % j->views)
             continue;
         char *const name = gp_job_name(&j->job[k], t);
-        const bool exists = name && gp_write_would_overwrite(p, name);
+        const bool kept = name && gp_write_kept(log, p, name);
         free(name);
-        if (!exists)
+        if (!kept)
             return false;
     }
     return true;

@@ -105,10 +105,10 @@ bool gp_job_number(const struct gp_job *job, int *number);
 GP_MUST_CHECK gp_status gp_job_beside(const struct gp_log *log,
     const struct gp_job *job, const char *path, char **name);
 
-/* True when p->no_clobber is set, there are outputs and all of the job's exist;
+/* True when there are outputs and all of the job's are kept (gp_write_kept());
  * with an output that holds all views, those of every view of the frame. */
-bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
-                     const struct gp_job *job);
+bool gp_job_complete(const struct gp_log *log, const struct gp_write_params *p,
+                     const struct gp_jobs *j, const struct gp_job *job);
 
 /* Checks that no output of a run replaces an input or another output, before
  * the first file is opened.

@@ -451,6 +451,9 @@ const struct gp_option gp_options[] = {
     OPT(output.write.no_clobber, .name = "no-clobber", IN(FILE), .aside = true,
         .needs = GP_NEED_FILES, .help = "Skip frames whose outputs already "
         "exist, to resume a run; print how many at the end"),
+    OPT(output.write.fsync, .name = "fsync", IN(FILE), .aside = true,
+        .needs = GP_NEED_FILES, .help = "Write each output through to the disk "
+        "before it gets its name, so that a power cut leaves none that is cut"),
     CHOICE(output.write.stdout_format, .name = "stdout-format", IN(FILE),
         .aside = true, .needs = GP_NEED_STREAM, .arg = "FORMAT",
         .choices = gp_stdout_formats,

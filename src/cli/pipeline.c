@@ -201,8 +201,8 @@ static gp_status run_phase(struct pipeline *p, int unit, enum gp_phase phase)
         gp_frame_log_open(&u->log, p->log, &p->head, unit, job->input);
         u->kept = true;
         for (int v = 0; v < views && u->kept; v++)
-            u->kept = gp_job_complete(&p->run.s->output.write, p->run.jobs,
-                                      &job[v]);
+            u->kept = gp_job_complete(&u->log.log, &p->run.s->output.write,
+                                      p->run.jobs, &job[v]);
         if (u->kept)
             atomic_fetch_add(&p->kept, views);
         for (u->begun = 0; u->begun < views && !u->kept && !st; u->begun++)

@@ -640,7 +640,6 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
                      &planes, NULL);
         return st ? st : taker->take(taker->user, log, &fs->file, &planes);
     }
-    p.no_clobber = false; // a frame with a missing output writes all
     p.command = r->s->output.no_provenance ? NULL : fs->facts.job.command;
     if (plan->config) {
         p.primaries = plan->output_primaries;

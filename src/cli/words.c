@@ -168,7 +168,7 @@ gp_status gp_settings_save(const struct gp_log *log,
     char *text = NULL;
     size_t size;
     gp_status st;
-    if (gp_write_would_overwrite(&s->output.write, path))
+    if (s->output.write.no_clobber && gp_file_exists(path))
         return GP_OK;
     FILE *const f = open_memstream(&text, &size);
     if (!f)

@@ -302,6 +302,7 @@ struct gp_file {
     struct temp temp; // while it is written; no name: straight to fd
     int fd;          // -1 when closed
     bool own_fd;     // false for stdout
+    bool sync;       // gp_file_sync()
     gp_status st;    // first failure; later writes repeat it silently
     uint64_t size;   // of what was written
     void *held;      // of straight targets: all of it
@@ -332,8 +333,15 @@ static gp_status cannot_write(const struct gp_log *log, const char *path,
                               int error)
 {
     sigset_t before;
+    struct stat s;
     begin_naming(&before); // never, where a signal has removed the file
     end_naming(&before);
+    if (error == ENOENT && lstat(path, &s) == 0 && S_ISLNK(s.st_mode))
+        return gp_fail(log, GP_ERR_IO,
+                       "%s: cannot be written (a link into a "
+                       "folder that is not there); remove the link, or make "
+                       "the folder",
+                       path);
     return gp_fail(log, GP_ERR_IO, "%s: cannot be written (%s); %s", path,
                    strerror(error), hint(error));
 }
@@ -561,10 +569,29 @@ static gp_status write_held(struct gp_file *f)
     return GP_OK;
 }
 
+/* Writes the new name through. Some file systems cannot (EINVAL). */
+static gp_status sync_folder(struct gp_file *f)
+{
+    char *const folder = folder_of(f->target);
+    const int fd = folder ? open(folder, O_RDONLY | O_CLOEXEC) : -1;
+    const int error = fd < 0 || fsync(fd) ? errno : 0;
+    if (fd >= 0)
+        close(fd);
+    gp_free(folder);
+    return error && error != EINVAL ? write_failed(f, error) : GP_OK;
+}
+
+void gp_file_sync(struct gp_file *f)
+{
+    f->sync = true;
+}
+
 gp_status gp_file_commit(struct gp_file **file)
 {
     struct gp_file *f = *file;
     gp_status st = f->st ? f->st : write_held(f);
+    if (!st && f->sync && f->target && fsync(f->fd))
+        st = write_failed(f, errno);
     const int fd = f->fd;
     if (!st)
         f->fd = -1;
@@ -572,6 +599,8 @@ gp_status gp_file_commit(struct gp_file **file)
         st = write_failed(f, errno);   // disk here
     if (!st && f->temp.name && end_temp(&f->temp, f->target))
         st = write_failed(f, errno);
+    if (!st && f->sync && f->target)
+        st = sync_folder(f);
     gp_file_discard(file);
     return st;
 }

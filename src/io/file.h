@@ -9,8 +9,8 @@
  * once, because formats seek back to fill in tables and a pipe cannot.
  *
  * Every function prints its own error line through the log given to
- * gp_file_open(). Nothing is synced to disk (no fsync): a power cut may lose
- * what was renamed. */
+ * gp_file_open(). Only gp_file_sync() syncs to disk (fsync): without it a power
+ * cut may lose or cut what was renamed. */
 #ifndef GP_IO_FILE_H
 #define GP_IO_FILE_H
 
@@ -54,6 +54,10 @@ uint64_t gp_file_size(const struct gp_file *f);
 
 /* The name it is for, as the user gave it; "stdout" for "-". */
 const char *gp_file_path(const struct gp_file *f);
+
+/* Lets gp_file_commit() write a regular file through to the disk before it is
+ * renamed, and its folder afterwards; an error of the folder's leaves the file. */
+void gp_file_sync(struct gp_file *f);
 
 /* Closes the file, renames it to its final name and sets *f to NULL. When
  * anything fails, here or in an earlier write, no file is left (an old one

@@ -33,10 +33,10 @@ struct gp_reader {
     const char *format; // by gp_format_name()
     const char *oiio;   // OpenImageIO's name of its reader, or:
     gp_picture_reader *open;
-    // sets *length to the bytes of the image that `data` begins with; leaves it
-    // when they are unknown; fails, without a line, only when memory is full.
-    // NULL: the image must be the only one of a stream
-    gp_status (*length)(const uint8_t *data, uint64_t size, uint64_t *length);
+    // sets *length to the bytes of the image that `stream` begins with, and may
+    // close it; leaves it when they are unknown or not all there; fails, without
+    // a line, only when memory is full. NULL: a stream holds one image
+    gp_status (*length)(struct gp_stream *stream, uint64_t *length);
 };
 extern const struct gp_reader gp_readers[]; // EXR first; ends with {0}
 
@@ -74,7 +74,7 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
  * chunks and the time are attributes; profiles, XMP and Exif are not looked at.
  * Source: W3C PNG (third edition). */
 gp_picture_reader gp_png_open, gp_pfm_open;
-GP_MUST_CHECK gp_status gp_pfm_length(const uint8_t *data, uint64_t size,
+GP_MUST_CHECK gp_status gp_pfm_length(struct gp_stream *stream,
                                       uint64_t *length);
 
 /* -- writing --------------------------------------------------------------- */

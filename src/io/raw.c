@@ -51,11 +51,13 @@ static bool holds_rows(const struct header *h, uint64_t size)
     return h->bytes <= size && (size - h->bytes) / row >= (uint64_t) h->height;
 }
 
-gp_status gp_pfm_length(const uint8_t *data, uint64_t size, uint64_t *length)
+gp_status gp_pfm_length(struct gp_stream *stream, uint64_t *length)
 {
+    uint8_t first[HEADER_BYTES];
     struct header h;
-    const size_t n = size < HEADER_BYTES ? (size_t) size : HEADER_BYTES;
-    if (parse_header(data, n, &h) && holds_rows(&h, size))
+    const int64_t n = gp_stream_read(stream, first, sizeof first, 0);
+    if (n > 0 && parse_header(first, (size_t) n, &h) &&
+        holds_rows(&h, stream->size))
         *length = h.bytes + (uint64_t) h.width * (uint64_t) h.height *
                                 (uint64_t) h.channels * 4;
     return GP_OK;
@@ -182,6 +184,8 @@ static gp_status write_samples(const struct gp_log *log,
                           bytes};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p.create_dir, &file));
+    if (p.fsync)
+        gp_file_sync(file);
     const int head_bytes = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n",
                                     pic.width, pic.height);
     if (!frames)

@@ -95,12 +95,10 @@ const char *gp_format_name(const uint8_t *b, size_t n)
 
 // -- lengths of images in a stream --------------------------------------------
 
-static gp_status exr_length(const uint8_t *data, uint64_t size,
-                            uint64_t *length)
+static gp_status exr_length(struct gp_stream *stream, uint64_t *length)
 {
-    struct gp_stream view = gp_stream_of(data, size);
     struct gp_input *in;
-    const gp_status st = gp_exr_open(NULL, "-", &view, &in);
+    const gp_status st = gp_exr_open(NULL, "-", stream, &in);
     if (st)
         return st == GP_ERR_BUG ? st : GP_OK;
     *length = in->end;
@@ -108,17 +106,13 @@ static gp_status exr_length(const uint8_t *data, uint64_t size,
     return GP_OK;
 }
 
-static gp_status png_length(const uint8_t *data, uint64_t size,
-                            uint64_t *length)
+static gp_status png_length(struct gp_stream *stream, uint64_t *length)
 {
+    uint8_t head[8]; // length and type of a chunk; a checksum follows its data
     uint64_t at = 8; // after the signature
-    while (size >= 20 && size - at >= 12) { // length, type, checksum
-        const uint64_t n = gp_be32(data + at);
-        const uint8_t *const type = data + at + 4;
-        if (n > size - at - 12)
-            break;
-        at += 12 + n;
-        if (memcmp(type, "IEND", 4) == 0) {
+    while (gp_stream_read(stream, head, sizeof head, at) == sizeof head) {
+        at += 12 + (uint64_t) gp_be32(head);
+        if (memcmp(head + 4, "IEND", 4) == 0 && at <= stream->size) {
             *length = at;
             break;
         }
@@ -256,6 +250,21 @@ gp_status gp_read_frame(const struct gp_log *log,
     return st ? st : gp_read_stream(log, p, path, &stream, out);
 }
 
+bool gp_read_has_end(const char *path)
+{
+    struct gp_stream stream;
+    const struct gp_reader *r;
+    uint64_t length = 0;
+    gp_status st = gp_stream_open_regular(NULL, path, &stream);
+    if (st)
+        return st == GP_ERR_IO;
+    st = find_reader(NULL, path, &stream, &r);
+    if (!st && r->length)
+        st = r->length(&stream, &length);
+    gp_stream_close(&stream);
+    return !st && (!r->length || length > 0);
+}
+
 // -- views of a file ----------------------------------------------------------
 
 /* Of an open EXR; NULL: of another format. */
@@ -323,8 +332,9 @@ static gp_status find_members(const struct gp_log *log, const char *path,
         const uint64_t left = end - at;
         const size_t n = left < GP_FIRST_BYTES ? (size_t) left : GP_FIRST_BYTES;
         const struct gp_reader *const r = reader_of(data, n);
+        struct gp_stream view = gp_stream_of(data, left);
         uint64_t size = 0;
-        if (r && r->length && r->length(data, left, &size))
+        if (r && r->length && r->length(&view, &size))
             return gp_no_memory(log, path);
         if ((!r || !r->length) && m->n > 0)
             return gp_fail(log, GP_ERR_DATA,

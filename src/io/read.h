@@ -81,6 +81,11 @@ void gp_read_taken(const struct gp_frame *f, struct gp_taken *out);
 GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_frame *out);
 
+/* True for a regular file of a format that is read, with its end: an EXR's offset
+ * tables and last chunk, a PNG's IEND, a PFM's last row; of other formats any
+ * content. True also for one that cannot be opened: nobody knows. */
+bool gp_read_has_end(const char *path);
+
 /* Another layer of the EXR that `f` was read from: what is in f's part comes
  * from f's channels, the rest is decoded from f's input.
  *

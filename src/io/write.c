@@ -6,6 +6,7 @@
 #include "io/file.h"
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"
+#include "io/read.h"
 
 #include <errno.h>
 #include <math.h>
@@ -233,6 +234,8 @@ static gp_status write_by_helper(const struct gp_log *log,
                           .to = pixels.at};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p->create_dir, &file));
+    if (p->fsync)
+        gp_file_sync(file);
     const struct gp_decoded image = {
         .path = gp_file_path(file), .data = {0, 0, pic.width, pic.height},
         .display = {0, 0, pic.width, pic.height},
@@ -293,9 +296,18 @@ gp_status gp_write_hdr_check(const struct gp_log *log,
     return gp_write_check(log, p, path);
 }
 
-bool gp_write_would_overwrite(const struct gp_write_params *p, const char *path)
+bool gp_write_kept(const struct gp_log *log, const struct gp_write_params *p,
+                   const char *path)
 {
-    return p->no_clobber && strcmp(path, "-") != 0 && gp_file_exists(path);
+    if (!p->no_clobber || gp_is_dash(path) || !gp_file_exists(path))
+        return false;
+    if (gp_read_has_end(path))
+        return true;
+    gp_say(log, GP_LEVEL_WARN,
+           "--no-clobber: %s is empty or cut off and is "
+           "made again",
+           path);
+    return false;
 }
 
 gp_status gp_write_check(const struct gp_log *log,
@@ -312,8 +324,6 @@ gp_status gp_write_picture(const struct gp_log *log,
     struct gp_write_stats *stats)
 {
     const struct target t = target_of(p, path);
-    if (gp_write_would_overwrite(p, path))
-        return GP_OK;
     const gp_status st = t.format && t.format->write != write_by_helper
                              ? GP_OK : check_format(log, p, path, &t);
     return st ? st : t.format->write(log, p, path, f, planes, kind, stats);
@@ -324,7 +334,7 @@ gp_status gp_write_hdr(const struct gp_log *log,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
 {
     gp_status st = gp_write_hdr_check(log, p, GP_HDR_KEEPS, path);
-    if (st || gp_write_would_overwrite(p, path))
+    if (st)
         return st;
     return gp_exr_write_hdr(log, p, path, set, n, stats);
 }
@@ -336,7 +346,7 @@ gp_status gp_write_parts(const struct gp_log *log,
                          struct gp_write_stats *stats)
 {
     gp_status st = gp_write_hdr_check(log, p, GP_PARTS_KEEP, path);
-    if (st || gp_write_would_overwrite(p, path))
+    if (st)
         return st;
     return gp_exr_write_parts(log, p, path, f, name, part, n, stats);
 }

@@ -68,6 +68,7 @@ struct gp_write_params {
     enum gp_stdout_format stdout_format;
     enum gp_raw_format raw;     // with GP_STDOUT_RAW
     bool no_clobber, create_dir;
+    bool fsync;                 // gp_file_sync()
     bool converted;             // --hdr: not in the input's primaries any more
     const float *primaries;     // of what is converted, as in struct gp_frame;
                                 // NULL: not known
@@ -198,9 +199,10 @@ GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,
  * formats it is over black. */
 bool gp_write_has_alpha(const struct gp_write_params *p, const char *path);
 
-/* True when no_clobber is set and a regular file of that name exists: then the
- * writing functions skip it and return GP_OK. */
-bool gp_write_would_overwrite(const struct gp_write_params *p, const char *path);
+/* True when no_clobber is set and a regular file of that name exists, with its
+ * end (gp_read_has_end()). Warns of one that has it not. */
+bool gp_write_kept(const struct gp_log *log, const struct gp_write_params *p,
+                   const char *path);
 
 /* Checks before any frame is read that `path` could be written. Same errors. */
 GP_MUST_CHECK gp_status gp_write_check(const struct gp_log *log,

@@ -142,15 +142,15 @@ afresh
 run -e direct --no-clobber -f 1-3 -o made/o.#.png --layer made/l.#.exr \
     'in/s.####.exr'
 quiet_success 'nothing there: all is made'
-echo mine >made/o.2.png
-echo mine >made/o.3.png
+cp made/o.1.png made/o.2.png
+cp made/o.1.png made/o.3.png
 rm made/l.3.exr
 run -e direct --no-clobber --report r.json -o made/o.#.png \
     --layer made/l.#.exr 'in/s.####.exr'
 status_is 0 'some there: status 0'
 like "$(cat err)" '*--no-clobber: *2 of 6*' 'some there: counted'
 is "$(wc -l <err)" 1 'some there: in one line'
-is "$(cat made/o.2.png)" mine 'some there: a whole set is left alone'
+same made/o.2.png made/o.1.png 'some there: a whole set is left alone'
 is "$(sed 's/.*"frame":\([0-9]*\).*/\1/' r.json | xargs)" '3 4 5 6' \
     'some there: the others are made'
 cp whole/o.2.png made/
@@ -163,6 +163,26 @@ echo mine >made/o.1.png
 run -e direct -f 1 -o made/o.#.png 'in/s.####.exr'
 quiet_success 'without it, files are replaced'
 as_whole 'without it: by the same bytes'
+
+# files that another program, or a disk that lost power, left without their end
+afresh
+run -e direct -o made/o.1.png -o made/o.1.pfm --hdr made/o.1.exr in/s.0001.exr
+cp -r made all
+for name in o.1.png o.1.pfm o.1.exr; do
+    size=$(wc -c <made/$name)
+    for left in 0 1 40 $((size / 2)) $((size - 1)); do
+        head -c $left all/$name >made/$name
+        run -e direct --no-clobber -o made/o.1.png -o made/o.1.pfm \
+            --hdr made/o.1.exr in/s.0001.exr
+        status_is 0 "$name, $left bytes of it"
+        is "$(cat err)" "glarepp: warning: --no-clobber: made/$name is empty or cut off and is made again" \
+            "$name, $left bytes of it: a line"
+        ok "$name, $left bytes of it: made again" cmp all/$name made/$name
+    done
+done
+run -e direct --no-clobber -o made/o.1.png -o made/o.1.pfm \
+    --hdr made/o.1.exr in/s.0001.exr
+like "$(cat err)" '*skipped 1 of 1*' 'whole files are skipped'
 
 # a bad frame leaves a hole that the next run fills
 afresh

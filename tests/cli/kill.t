@@ -109,6 +109,27 @@ for row in "KILL files $times" "INT files $times" "TERM files $fewer" \
     verdicts verdicts
 done
 
+# -- a machine that fails -----------------------------------------------------------
+
+# fsync: of the picture before it is renamed, then of its folder
+shim=$(dirname "$glarepp")/tests/shim.so
+rm -rf m && mkdir m
+if LC_ALL=C grep -qa __asan_init "$glarepp" || [ ! -f "$shim" ]; then
+    skip 7 'nothing can be preloaded'
+else
+    for row in '1 0' '2 1'; do
+        set -- $row
+        LD_PRELOAD=$shim FAULT=fsync:$1 "$glarepp" -q -e direct --fsync \
+            -o m/p.0001.png in.0001.exr >out 2>err
+        status=$?
+        fails_with 3 m/p.0001.png "fsync $1 fails"
+        is "$(ls -A m | wc -l)" "$2" "fsync $1 fails: files"
+    done
+    LD_PRELOAD=$shim FAULT=fsync:1+ "$glarepp" -q -e direct -o m/p.0001.png \
+        in.0001.exr >out 2>err
+    is $? 0 'without --fsync none is called'
+fi
+
 # The next run ignores files that a killed run left
 rm -rf m && mkdir m
 run -e direct --hdr m/h.####.exr -o m/p.####.png in.####.exr

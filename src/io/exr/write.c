@@ -478,6 +478,8 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
         flags |= gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
     }
     GP_TRY(gp_file_open(w->log, w->path, w->p->create_dir, &w->file));
+    if (w->p->fsync)
+        gp_file_sync(w->file);
     gp_exr_out_begin(&w->out, w->log, w->file, flags);
     for (int i = 0; i < w->parts; i++) {
         const struct part *const part = &w->part[i];

@@ -205,7 +205,8 @@ static void headers(void **state)
         struct gp_decoded image;
         uint64_t length = 0;
         const size_t n = make_pfm(row[i].head, row[i].swapped, bytes);
-        assert_ok(gp_pfm_length(bytes, n + 9, &length));
+        struct gp_stream more = gp_stream_of(bytes, n + 9);
+        assert_ok(gp_pfm_length(&more, &length));
         assert_int_equal(length, n);
         if (open_bytes(bytes, n, &image))
             fail_msg("row %zu: %s", i, kept_line);
@@ -236,7 +237,8 @@ static void damaged_headers(void **state)
             fail_msg("%s", head[i]);
         assert_int_equal(kept_errors, 1);
         assert_null(image.pixels);
-        assert_ok(gp_pfm_length(bytes, n, &length));
+        struct gp_stream view = gp_stream_of(bytes, n);
+        assert_ok(gp_pfm_length(&view, &length));
         if (length != 0 && length > n)
             fail_msg("%s: %d", head[i], (int) length);
     }
@@ -247,7 +249,8 @@ static void damaged_headers(void **state)
     for (size_t n = 0; n < size; n++) {
         uint64_t length = 0;
         assert_int_equal(open_bytes(bytes, n, &image), GP_ERR_DATA);
-        assert_ok(gp_pfm_length(bytes, n, &length));
+        struct gp_stream view = gp_stream_of(bytes, n);
+        assert_ok(gp_pfm_length(&view, &length));
         assert_int_equal(length, 0);
     }
 }
