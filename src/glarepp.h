@@ -419,6 +419,11 @@ enum glarepp_share_method {
 enum glarepp_outside {  // the part of a light outside the frame
     GLAREPP_IGNORE, GLAREPP_VISIBLE, GLAREPP_HIDDEN, GLAREPP_BY_SCENE,
 };
+enum { // what hides lights whose place in the world is known, in a frame with a scene
+    GLAREPP_SHARES_AUTO, // its geometry, where BY_SCENE, EXACT and some is there
+    GLAREPP_SHARES_FRAME, // in the frame, DEPTH and COVERAGE
+    GLAREPP_SHARES_SCENE, // its geometry; what the frame says is only a check
+};
 enum glarepp_depth { GLAREPP_Z, GLAREPP_RAY, GLAREPP_INVERSE,
                      GLAREPP_NORMALIZED };
 enum glarepp_ndc { GLAREPP_NDC_AUTO, GLAREPP_NDC_SPEC, GLAREPP_NDC_CLIP };
@@ -451,13 +456,14 @@ struct glarepp_light_params {
     int found;
     float flare_gain; // of the flare; 0: its brightest pixel over a dark one
                       // becomes a quarter of white, by the tone's exposure
+    int share_by;     // GLAREPP_SHARES_*
 };
 #define GLAREPP_LIGHT_PARAMS                                                   \
     {                                                                          \
         sizeof(struct glarepp_light_params), NULL, 0, NULL, NULL,              \
             GLAREPP_LIGHT, NULL, 0.533f, GLAREPP_EXACT, GLAREPP_IGNORE,        \
             GLAREPP_Z, GLAREPP_NDC_AUTO, false, false, 0.0f, 16, false, false, \
-            false, 0, 1.0f                                                     \
+            false, 0, 1.0f, GLAREPP_SHARES_AUTO                                \
     }
 
 /* Ghosts of a real lens. */

@@ -45,7 +45,7 @@ void gp_api_lights_end(struct gp_api_lights **lights)
     GP_FREE(*lights);
 }
 
-// -- shares outside of the frame, by the scene --------------------------------
+// -- shares by the scene ------------------------------------------------------
 
 /* Returns true when a light's circle in the picture leaves the rectangle: that
  * of its cone, an ellipse, may differ. */
@@ -66,8 +66,43 @@ static struct gp_eye_disc disc_of(const struct gp_light *l, struct gp_v3 eye)
                : gp_eye_sun(eye, at, s->half);
 }
 
-/* Sets each light's clear share outside of the frame, by the scene's rays. */
-static gp_status measure_outside(struct glarepp_frame *f)
+/* Tests whether the scene's rays are for all of a light: it has a place there. */
+static bool is_traced(const struct glarepp_frame *f, const struct gp_light *l)
+{
+    const struct glarepp_light_params *const p = &f->plan->sun;
+    return p->outside == GLAREPP_BY_SCENE && f->work->scene && l->sight.known &&
+           (l->sight.lamp || isinf(l->depth)) &&
+           (p->share_by == GLAREPP_SHARES_SCENE ||
+            (p->share_by == GLAREPP_SHARES_AUTO && p->method == GLAREPP_EXACT &&
+             f->work->scene->scene.objects > 0));
+}
+
+/* Warns once where the frame's own planes say another share than the scene. */
+static void check_share(struct glarepp_frame *f, const struct gp_light *light)
+{
+    const struct gp_occluders *const o = &f->work->lights->suns.occluders;
+    struct gp_light own = *light;
+    own.traced = false;
+    if (!light->traced || (!o->depth && !o->mask))
+        return;
+    gp_sun_exact(o, GLAREPP_IGNORE, &own, 1);
+    gp_sun_interval(o, GLAREPP_IGNORE, &own, 1); // any share outside of it
+    const double apart = fmax(own.low - light->outside - light->outside_error,
+                              light->outside - light->outside_error - own.high);
+    if (!own.in_frame || !(apart > 0.0) ||
+        !gp_api_says(&f->plan->said, GP_SAID_SHARE))
+        return;
+    gp_say_at(&f->log, GP_LEVEL_WARN, "lights.share_by.scene",
+              "%s: the scene shows "
+              "%.3f of the light %s%sat %.1f,%.1f, and the frame's planes %.3f "
+              "to %.3f: one has what the other has not",
+              f->sink.name, light->outside, light->name,
+              light->name[0] ? " " : "", light->x, light->y, own.low, own.high);
+}
+
+/* Sets each light's clear share by the scene's rays: outside of the frame, or of
+ * all of it. */
+static gp_status measure_by_scene(struct glarepp_frame *f)
 {
     struct gp_api_scene *const scene = f->work->scene;
     struct gp_suns *const suns = &f->work->lights->suns;
@@ -87,7 +122,7 @@ static gp_status measure_outside(struct glarepp_frame *f)
         const struct gp_eye_disc disc = disc_of(l, eye);
         struct gp_eye_share share;
         gp_status st = gp_eye_rays(&f->log, &scene->scene, &scene->meshes,
-                                   &disc, &window, &share);
+                                   &disc, l->traced ? NULL : &window, &share);
         if (!st && share.outside == 0.0 && leaves(l, known))
             st = gp_eye_rays(&f->log, &scene->scene, &scene->meshes, &disc,
                              NULL, &share);
@@ -95,6 +130,7 @@ static gp_status measure_outside(struct glarepp_frame *f)
             return st;
         l->outside = share.clear;
         l->outside_error = 3.0 * share.error;
+        check_share(f, l);
     }
     return GP_OK;
 }
@@ -155,17 +191,24 @@ gp_status gp_api_shares(struct glarepp_frame *f)
         [GLAREPP_READBACK] = "readback",
     };
     struct gp_suns *const suns = &f->work->lights->suns;
-    if (f->plan->lights)
-        f->facts.shares_by = methods[f->plan->sun.method];
+    int traced = 0;
+    for (int i = 0; i < suns->n; i++) {
+        suns->light[i].traced = is_traced(f, &suns->light[i]);
+        traced += suns->light[i].traced;
+    }
     if (!f->hidden)
         gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
                      f->mask.v ? &f->mask : NULL, suns);
     f->hidden = true;
-    gp_status st = measure_outside(f);
+    gp_status st = measure_by_scene(f);
     if (!st)
         st = gp_suns_measure(&f->log, suns);
     if (!st && suns->gl)
         f->facts.shares_gl = gp_gl_info(suns->gl)->name;
+    if (f->plan->lights)
+        f->facts.shares_by = !traced            ? methods[f->plan->sun.method]
+                             : traced < suns->n ? "scene and frame"
+                                                : "scene";
     return st || !f->plan->lights ? st : note_shares(f);
 }
 

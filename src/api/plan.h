@@ -72,6 +72,7 @@ enum {
     GP_SAID_HIDDEN = 16 << GP_KERNEL_RULES,
     GP_SAID_BRIGHT = 32 << GP_KERNEL_RULES,
     GP_SAID_WIDE = 64 << GP_KERNEL_RULES,
+    GP_SAID_SHARE = 128 << GP_KERNEL_RULES,
 };
 
 /* A kernel of a plan. */

@@ -310,6 +310,16 @@ const struct gp_option_choice gp_outsides[] = {
      "behind the camera; the default with --scene"},
     {0},
 };
+const struct gp_option_choice gp_share_ways[] = {
+    {"auto", GLAREPP_SHARES_AUTO,
+     "the scene, if it has objects, --sun-outside "
+     "is scene and --sun-method exact; else the frame"},
+    {"depth", GLAREPP_SHARES_FRAME, "in the frame, its depth and coverage"},
+    {"scene", GLAREPP_SHARES_SCENE,
+     "rays through the scene, in the frame too; "
+     "a warning names a light whose share by depth and coverage is another"},
+    {0},
+};
 const struct gp_option_choice gp_ups[] = {
     {"auto", GLAREPP_UP_AUTO, "the axis by which the scene's camera is nearer "
      "to the frame's; without one, the axis nearer to the picture's upright; of a frame "

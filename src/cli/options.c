@@ -258,6 +258,9 @@ const struct gp_option gp_options[] = {
     CHOICE(sun.p.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT, .choices = gp_outsides,
         .help = "Count the part of a light outside the frame this way"),
+    CHOICE(sun.p.share_by, .name = "sun-share", IN(SUN), .arg = "HOW",
+        .needs = GP_NEED_LIGHT | GP_NEED_SCENE, .choices = gp_share_ways,
+        .help = "Hide lights that have a place in the scene by this"),
     OPT(sun.p.adapt, .name = "sun-adapt", IN(SUN), .arg = "F", .hi = 1,
         .needs = GP_NEED_LIGHT, .help = "Dim the picture by F times the "
         "visible share, as the pupil does"),

@@ -348,14 +348,13 @@ static gp_status give(struct gp_frame_state *fs, enum glarepp_view view,
 gp_status gp_run_occluders(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
-    struct gp_occluder_facts *const facts = &fs->facts.hidden;
     gp_status st;
     GP_TRY(read_depth(r, fs));
     if (s->sun.mask_file || s->sun.mask)
         GP_TRY(read_beside(s, fs, s->sun.mask_file, s->sun.mask, false,
                            &fs->mask));
-    facts->depth = fs->depth.name;
-    facts->mask = fs->mask.name;
+    fs->facts.hidden.depth = fs->depth.name;
+    fs->facts.hidden.mask = fs->mask.name;
     GP_TRY(give(fs, GLAREPP_DEPTH, &fs->depth, 1, s->sun.depth_file));
     GP_TRY(give(fs, GLAREPP_COVERAGE, &fs->mask, 1, s->sun.mask_file));
 out:
@@ -418,9 +417,10 @@ static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
 /* Makes pictures of shares from the lights, and says how near they are. */
 static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
 {
-    static const char *const edges[2][2] = { // with coverage, with depth
-        {NULL, "depth alone: within 0.06 of the truth for a sun of 2.5 pixels; "
-         "coverage (--mask) is nearer"},
+    static const char *const edges[2][2] = {
+        // with coverage, with depth
+        {NULL, "depth alone: within 0.07 of the truth for a sun of 2.5 pixels; "
+               "coverage (--mask) is nearer"},
         {"coverage without depth: surfaces beyond a light hide it too, and the "
          "error is not known; add depth (--depth)",
          "coverage: within 0.02 of the truth for a sun of 2.5 pixels"},
@@ -429,7 +429,7 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_occluder_facts *const facts = &fs->facts.hidden;
     gp_status st = GP_OK;
     for (int i = 0; i < lib->lights && !facts->edges; i++) {
-        if (lib->light[i].in_frame)
+        if (lib->light[i].in_frame && strcmp(lib->shares_by, "scene") != 0)
             facts->edges = edges[facts->mask != NULL][facts->depth != NULL];
     }
     for (int i = 0; i < r->jobs->targets && !st; i++) {

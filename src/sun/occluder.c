@@ -369,7 +369,7 @@ void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
 {
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
-        if (l->behind) {
+        if (l->behind || l->traced) {
             l->visibility = outside == GLAREPP_BY_SCENE ? l->outside : 0.0;
             continue;
         }
@@ -394,10 +394,11 @@ void gp_sun_interval(const struct gp_occluders *o, enum glarepp_outside outside,
                                 : 0.0;
         const double hi = scene ? fmin(l->outside + l->outside_error, 1.0)
                                 : 1.0;
-        const struct sums s = l->behind ? (struct sums) {0}
-                                        : sums_of(o, l, true);
-        const double rest = area_beyond(l, &s), all = s.area + rest;
+        struct sums s = l->behind ? (struct sums) {0} : sums_of(o, l, true);
         l->in_frame = s.area > 0.0;
+        if (l->traced)
+            s = (struct sums) {0};
+        const double rest = area_beyond(l, &s), all = s.area + rest;
         l->low = fmin((s.low + rest * lo) / all, l->visibility);
         l->high = fmax(fmin((s.high + rest * hi) / all, 1.0), l->visibility);
     }

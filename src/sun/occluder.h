@@ -57,7 +57,7 @@ double gp_occluders_show(const struct gp_occluders *o,
 /* visibility = sum(area * shown) / sum(area), both over the pixels of
  * o->frame, and the area outside of it as `outside` says; in double. IGNORE takes
  * it over the part inside, 0 where there is none; BY_SCENE counts the part
- * outside by gp_light.outside, and so all of a light behind the camera. A light
+ * outside by gp_light.outside, and so all of a light behind the camera or traced. A light
  * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
  * 1e9; one behind the camera has 0, but for GLAREPP_BY_SCENE. All hidden is
  * exactly 0, all clear exactly 1. Time grows with the disc's area inside the

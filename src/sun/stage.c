@@ -291,7 +291,7 @@ static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
     bool any = !scene && suns->n;
     for (int i = 0; scene && i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
-        any = any || (!l->behind && l->x + l->radius > r.x0 &&
+        any = any || (!l->behind && !l->traced && l->x + l->radius > r.x0 &&
                       l->x - l->radius < r.x1 && l->y + l->radius > r.y0 &&
                       l->y - l->radius < r.y1);
     }

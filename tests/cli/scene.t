@@ -42,7 +42,8 @@ run --scene $street --scene-up z --report s.json in.exr
 is "$(field s.json '[round(l["x"], 2) for l in o["lights"] if "x" in l]')" \
     "$(field r.json '[round(l["x"], 2) for l in o["lights"] if "x" in l]')" \
     'camera and lights turn together'
-like "$(field r.json 'o["sun_edges"]')" 'depth alone: *' \
+run --scene $street --sun-share depth --report s.json in.exr
+like "$(field s.json 'o["sun_edges"]')" 'depth alone: *' \
     'lamps that the frame shows have edges by depth'
 run -v --sun 5000,100,3 --report s.json in.exr
 is "$(field s.json '"sun_edges" in o')" False \

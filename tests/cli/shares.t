@@ -75,11 +75,38 @@ done
 # no lamp is in these four rows
 frame rows.1004.exr channels=R,G,B kind=dark size=640x4 display=0,0,639,359
 run --scene "$street" --report r.json rows.1004.exr
-is "$(grep -c 'nothing hides' err)" 0 'a scene before all lamps'
+is "$(grep -c 'nothing hides' err)" 0 'a scene before all lamps beside'
 frame bare.1004.exr channels=R,G,B kind=dark size=640x360
 run --scene "$street" --report r.json bare.1004.exr
+is "$(cat err)" '' 'nor where it is before all'
+run --scene "$street" --sun-share depth --report r.json bare.1004.exr
 like "$(cat err)" '*nothing hides the lights inside the frame*' \
     'no depth, and lamps in the frame'
+# -- rays or the frame, for what it shows --------------------------------------
+
+run --scene "$street" --report one.json "$root/examples/alley.1003.exr"
+is "$(field one.json 'o["sun_method"], "sun_edges" in o'; cat err)" \
+    "('scene', False)" 'rays for every light, and the frame agrees'
+run --scene "$street" --report r.json still.1004.exr
+is "$(lamps 'L["lamp5"]["visibility"]')" 0.0 'what only the scene has hides'
+is "$(grep -c 'the scene shows 0.000 of the light lamp5 at' err)" 1 \
+    'one warning names the light'
+run --scene "$street" --sun-share depth --report r.json still.1004.exr
+is "$(lamps '(L["lamp5"]["visibility"], o["sun_method"])'; cat err)" \
+    "(1.0, 'exact')" 'or the frame, without a warning'
+run --scene "$street" --sun-share scene --sun-outside hidden --report r.json \
+    still.1004.exr
+fails_with 2 'leave --sun-outside' 'a scene, and another rule beside it'
+run --scene "$street" --sun-method readback --report r.json still.1004.exr
+is "$(field r.json 'o["sun_method"]')" readback 'a method is of the frame'
+echo '[{"name": "near", "pixel": [300, 200], "radius": 4, "depth": 9}]' >near.json
+run --scene "$street" --lights near.json --report r.json still.1004.exr
+is "$(field r.json 'o["sun_method"]')" 'scene and frame' \
+    'and so is a depth by hand'
+
+# -- ----------------------------------------------------------------------------
+
+
 run --scene "$street" --threads 1 --report one.json still.1004.exr
 run --scene "$street" --threads 3 --report r.json still.1004.exr
 is "$(field r.json 'o["lights"]')" "$(field one.json 'o["lights"]')" \
@@ -96,33 +123,38 @@ cat >bare.gltf <<'EOF'
 EOF
 run --scene bare.gltf --sun 30,12 --report r.json still.1004.exr
 fails_with 2 '--sun-outside ignore' 'a scene, and no camera to see it from'
+cp "$root/examples/alley.1003.exr" bare.exr
+run --scene bare.gltf --sun 30,300 --report r.json bare.exr
+is "$(field r.json 'o["sun_method"], o["lights"][0]["visibility"]')" \
+    "('exact', 0.0)" 'a scene without objects hides nothing'
 run --scene bare.gltf --sun 30,12 --sun-outside ignore --report r.json plain.exr
 status_is 0 'another rule needs no camera'
 
 if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
-    set -- -q --report r.json
     forest="--scene $data/scenes/forest.glb --sun-size 0.53"
-    "$glarepp" "$@" $forest "$data/scenes/forest.####.exr"
-    is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.05 2>found)" \
-        '6 6 True' 'the sun in the forest, on screen and off'
-    note "depth, $(cat found)"
-    "$glarepp" "$@" $forest --mask A "$data/scenes/forest.####.exr"
-    is "$("$python" "$cli/shares.py" "$data" r.json 0.005,0.01 2>found)" \
-        '6 6 True' 'the same with coverage'
-    note "coverage, $(cat found)"
-    "$glarepp" "$@" --scene "$data/scenes/street.glb" \
-        "$data/scenes/street.####.exr"
+    scenes()
+    {
+        "$glarepp" "$@" $forest --report r.json "$data/scenes/forest.####.exr"
+        "$glarepp" "$@" --scene "$data/scenes/street.glb" --report s.json \
+            "$data/scenes/street.####.exr"
+        cat s.json >>r.json
+    }
+    scenes 2>err
+    is "$("$python" "$cli/shares.py" "$data" r.json 0.0001,0.0003 2>found)" \
+        '38 38 True' 'rays, in the frame and beside it'
+    note "rays, $(cat found)"
+    is "$(cat err)" '' 'and all frames agree with them'
+    scenes -q --sun-share depth
     is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
-        '32 32 True' 'lamps in the street, by depth'
-    note "$(cat found)"
-    "$glarepp" "$@" --scene "$street" street.####.exr
+        '38 38 True' 'the same by depth'
+    note "depth, $(cat found)"
+    scenes -q --sun-share depth --mask A
+    is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
+        '38 38 True' 'by a matte that has the balls of lamps'
+    note "coverage, $(cat found)"
+    "$glarepp" -q --scene "$street" --report r.json street.####.exr
     is "$("$python" "$cli/shares.py" "$data" r.json 0.002,0.01 2>found)" \
         '32 32 True' 'lamps outside the data window'
-    note "$(cat found)"
-    "$glarepp" "$@" --scene "$data/scenes/street.glb" --mask A \
-        "$data/scenes/street.####.exr"
-    is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
-        '32 32 True' 'the same by a matte that has their balls'
     note "$(cat found)"
 else
     skip 5 "$no_data"

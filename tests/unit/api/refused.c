@@ -111,6 +111,7 @@ static void values_out_of_range(void **state)
     BAD(lights, light, NULL);
     BAD(lights, method, (enum glarepp_share_method) 7);
     BAD(lights, outside, (enum glarepp_outside) 4, GLAREPP_BY_SCENE);
+    BAD(lights, share_by, -1, 3, GLAREPP_SHARES_SCENE);
     BAD(lights, side, -1, 0, 59, 299);
     BAD(lights, adapt, NAN, 7.0f);
     BAD(lens, detail, -1, 9);
