@@ -314,8 +314,8 @@ static gp_status draw_map(struct glarepp_frame *f, bool intensity,
                           f->sink.name);
     const struct gp_suns *const suns = &f->work->lights->suns;
     return gp_sun_map_picture(&f->log, &suns->occluders,
-                              intensity ? NULL : suns->p, suns->light,
-                              suns->n, &p->w, &p->h, &p->planes);
+                              intensity ? NULL : suns->p, &f->image,
+                              suns->light, suns->n, p->size, &p->planes);
 }
 
 int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
@@ -355,7 +355,7 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
         GP_TRY(show_truth(f));
     if (picture) {
         GP_TRY(draw_map(f, view == GLAREPP_INTENSITY, picture));
-        data = (struct gp_rect) {0, 0, picture->w, picture->h};
+        data = (struct gp_rect) {0, 0, picture->size[0], picture->size[1]};
     }
     if (!planes || !planes->c[0])
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: the step that "

@@ -172,7 +172,7 @@ struct gp_api_run {
 /* A picture to look at, of a size of its own. */
 struct gp_api_picture {
     struct gp_planes planes;
-    int w, h;
+    int size[2];
 };
 
 enum { GP_PARTS = 4 };

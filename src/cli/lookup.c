@@ -161,17 +161,23 @@ const struct gp_option_choice gp_progresses[] = {
 };
 
 const struct gp_option_choice gp_debugs[] = {
-    {"sensors", GP_DEBUG_SENSORS, "the light that the engines spread, "
+    {"sensors", GP_DEBUG_SENSORS,
+     "the light that the engines spread, "
      "scene-linear"},
-    {"polygons", GP_DEBUG_POLYGONS, "outlines of the polygons that splat "
+    {"polygons", GP_DEBUG_POLYGONS,
+     "outlines of the polygons that splat "
      "draws, in green over the tone-mapped picture"},
-    {"sunmap", GP_DEBUG_SUNMAP, "the sun maps of all lights, side by side: "
-     "white where a light is visible"},
-    {"intensity", GP_DEBUG_INTENSITY, "the intensity map: one pixel per light, "
-     "as bright as its visible share"},
-    {"scissor", GP_DEBUG_SCISSOR, "glarepp sets: the picture with outlines of "
+    {"sunmap", GP_DEBUG_SUNMAP,
+     "the sun map of each light, white where it is "
+     "clear, beside the picture there"},
+    {"intensity", GP_DEBUG_INTENSITY,
+     "the share of each light as a grey, "
+     "beside the picture there"},
+    {"scissor", GP_DEBUG_SCISSOR,
+     "glarepp sets: the picture with outlines of "
      "the lights' scissors"},
-    {"sets", GP_DEBUG_SETS, "glarepp sets: the scene from above; objects are "
+    {"sets", GP_DEBUG_SETS,
+     "glarepp sets: the scene from above; objects are "
      "grey in no set, blue hidden, red casting shadows, green visible, yellow "
      "lit"},
     {0},

@@ -486,8 +486,8 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
         [GP_TARGET_PICTURE] = shown,
         [GP_TARGET_SENSORS] = GP_HAS_SOURCES,
         [GP_TARGET_POLYGONS] = GP_HAS_SOURCES | GP_HAS_KERNEL | shown,
-        [GP_TARGET_SUNMAP] = GP_HAS_SHARES,
-        [GP_TARGET_INTENSITY] = GP_HAS_SHARES,
+        [GP_TARGET_SUNMAP] = GP_HAS_RGB | GP_HAS_SHARES,
+        [GP_TARGET_INTENSITY] = GP_HAS_RGB | GP_HAS_SHARES,
     };
     return needs[kind];
 }

@@ -354,7 +354,7 @@ for method in exact mask; do
     run --sun 30,12,5 --sun-method $method --debug sunmap=m.png \
         --debug intensity=i.png in.exr
     quiet_success "$method: pictures of the maps"
-    is "$(png_size m.png); $(png_size i.png)" '16x16 8 2; 1x1 8 2' \
+    is "$(png_size m.png); $(png_size i.png)" '512x256 8 2; 512x256 8 2' \
         "$method: their sizes"
 done
 run bench --sun 30,12,5 --runs 3 --csv t.csv --json t.json in.exr

@@ -14,6 +14,7 @@ enum {
     LIGHT_TEXELS = 4, // of a row of `lights`
     NARROW = 64,      // texels of a row of `pixels`, at least
     K_MAX = 16,       // samples along a texel's side
+    POINTS = 16,      // along a map's side, of sums in 8 bits
 };
 
 /* In the order of struct gp_sun_map. */
@@ -158,31 +159,64 @@ double gp_sun_map_reference(const struct gp_occluders *o,
     return weight > 0.0 ? shown / weight : 0.0;
 }
 
-gp_status gp_sun_map_picture(const struct gp_log *log,
-    const struct gp_occluders *o, const struct glarepp_light_params *p,
-    const struct gp_light *light, int n, int *w, int *h, struct gp_planes *out)
+/* Draws a light's map, or its visibility where p is NULL, and the picture there,
+ * as tiles of `tile` pixels side by side.
+ *   map   r and g of p->side squared texels
+ *   to    the first pixel in planes of `wide` */
+static void draw_tiles(const struct glarepp_light_params *p, const float *map,
+                       const struct gp_image *f, const struct gp_light *l,
+                       int tile, size_t to, size_t wide,
+                       const struct gp_planes *out)
 {
-    const int side = p ? p->side : 1, texels = side * side;
-    const int columns = p ? (int) ceil(sqrt((double) n)) : n;
+    const int side = p ? p->side : 1;
+    const double r = fmax(l->radius, 0.5), step = 2.0 * r / tile;
+    for (int k = 0; k < tile * tile; k++) {
+        const int i = k % tile, j = k / tile;
+        const int texel = j * side / tile * side + i * side / tile;
+        const double x = floor(l->x - r + (i + 0.5) * step) - f->data.x0;
+        const double y = floor(l->y - r + (j + 0.5) * step) - f->data.y0;
+        const bool seen = !l->behind && x >= 0.0 && x < gp_image_w(f) &&
+                          y >= 0.0 && y < gp_image_h(f);
+        const size_t from =
+            seen ? (size_t) y * (size_t) gp_image_w(f) + (size_t) x : 0;
+        const float g = p ? map[2 * texel + 1] : 1.0f;
+        const float v = !p         ? (float) l->visibility
+                        : g > 0.0f ? map[2 * texel] / g
+                                   : 0.0f;
+        float *at;
+        for (int c = 0; c < 3; c++) {
+            at = out->c[c] + to + (size_t) j * wide + (size_t) i;
+            at[0] = v;
+            at[tile] = seen ? f->rgb.c[c][from] : 0.0f;
+        }
+    }
+}
+
+gp_status gp_sun_map_picture(const struct gp_log *log,
+                             const struct gp_occluders *o,
+                             const struct glarepp_light_params *p,
+                             const struct gp_image *f,
+                             const struct gp_light *light, int n, int size[2],
+                             struct gp_planes *out)
+{
+    enum { LARGE = 256, FEW = 64, IN_A_ROW = 32 };
+    const int side = p ? p->side : 1, columns = gp_min(n, IN_A_ROW);
+    const int tile = n > FEW ? side : (LARGE + side - 1) / side * side;
     float *map = NULL;
     gp_status st;
-    *w = columns * side;
-    *h = (n + columns - 1) / columns * side;
-    GP_TRY(gp_alloc(log, "map", (size_t) texels, 2 * sizeof *map, &map));
-    GP_TRY(gp_planes_make(log, "picture", (size_t) *w * (size_t) *h, out));
-    gp_planes_clear(out, 0, (size_t) *w * (size_t) *h);
+    size[0] = columns * 2 * tile;
+    size[1] = (n + columns - 1) / columns * tile;
+    const size_t w = (size_t) size[0], all = w * (size_t) size[1];
+    GP_TRY(gp_alloc(log, "map", (size_t) (side * side), 2 * sizeof *map, &map));
+    GP_TRY(gp_planes_make(log, "picture", all, out));
+    gp_planes_clear(out, 0, all);
     for (int i = 0; i < n; i++) {
         if (p)
             (void) gp_sun_map_reference(o, p, &light[i], map);
-        for (int k = 0; k < texels; k++) {
-            const int x = i % columns * side + k % side;
-            const int y = i / columns * side + k / side;
-            const float r = p ? map[2 * k] : (float) light[i].visibility;
-            const float g = p ? map[2 * k + 1] : 1.0f;
-            const float v = g > 0.0f ? r / g : 0.0f;
-            for (int c = 0; c < 3; c++)
-                out->c[c][(size_t) y * (size_t) *w + (size_t) x] = v;
-        }
+        draw_tiles(p, map, f, &light[i], tile,
+                   (size_t) (i / columns * tile) * w +
+                       (size_t) (i % columns * 2 * tile),
+                   w, out);
     }
 out:
     gp_free(map);
@@ -379,7 +413,10 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
                            struct gp_sun_map *s)
 {
     const enum program which = p->bytes ? SUMS_BYTE : SUMS;
-    const int count = p->side * p->side;
+    // in 8 bits 256 points at most, each of four texels
+    const int points =
+        p->bytes && p->side > POINTS ? gp_min(p->side / 2, POINTS) : p->side;
+    const int count = points * points;
     struct gp_target *const to = &s->sums[p->bytes];
     gp_status st = fit_target(log, gl, "intensity map",
                               p->bytes ? GP_TEXEL_BYTE : GP_TEXEL_FLOAT, cells.x1,
@@ -390,10 +427,11 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
         return st;
     struct gp_uniform uniform[] = {
         {.name = "atlas", .texture = &s->atlas.colour},
-        {.name = "map", .v = {p->side, 0}},
-        {0}, {0},
+        {.name = "map", .v = {p->side, points}},
+        {0},
+        {0},
     };
-    // the paper's 1 / 255 is for 256 texels; others are scaled to them
+    // the paper's 1 / 255 is for 256 points; others are scaled to them
     if (p->bytes)
         uniform[2] = (struct gp_uniform) {
             .name = "scale", .floats = 1,

@@ -19,9 +19,10 @@
  *
  * Only the pixels under lights are uploaded. Of the parameters `outside`, `side`,
  * `square` and `bytes` count: with `bytes` the intensity map adds up in 8 bits,
- * 1 / 255 a texel, saturating, as in the paper; else in float. Of the paper's two
- * ways out of 8 bits, several passes and the mean of four texels by the
- * texture's filter, neither is needed then: floats add up exactly.
+ * 1 / 255 a point, saturating, as in the paper; else in float, exactly. A point is a
+ * texel; of maps of over 16x16, whose steps would round to 0, it is the mean of four,
+ * as of a bilinear fetch at their common corner, and of over 32x32 a regular
+ * selection of 16x16 such: the paper's two ways out.
  */
 #ifndef GP_SUN_MASK_MASK_H
 #define GP_SUN_MASK_MASK_H
@@ -55,12 +56,15 @@ GP_MUST_CHECK gp_status gp_sun_readback(
     struct gp_light *light, int n, struct gp_sun_map **state);
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
 
-/* Makes the pictures of --debug by the plain form, whatever the method: sun
- * maps of all lights, about as many in a row as in a column; or, where p is
- * NULL, the intensity map, n x 1. *out has planes of *w x *h, values 0 to 1. */
-GP_MUST_CHECK gp_status gp_sun_map_picture(
-    const struct gp_log *log, const struct gp_occluders *o,
-    const struct glarepp_light_params *p, const struct gp_light *light, int n,
-    int *w, int *h, struct gp_planes *out);
+/* Makes the pictures of --debug by the plain form, whatever the method: of each
+ * light its sun map or, where p is NULL, its visibility, and beside it the frame's
+ * pixels in the square around it, 32 lights in a row. Both are repeated to 256 pixels
+ * a side or more, of over 64 lights not. *out has planes of size[0] x size[1]. */
+GP_MUST_CHECK gp_status gp_sun_map_picture(const struct gp_log *log,
+                                           const struct gp_occluders *o,
+                                           const struct glarepp_light_params *p,
+                                           const struct gp_image *f,
+                                           const struct gp_light *light, int n,
+                                           int size[2], struct gp_planes *out);
 
 #endif

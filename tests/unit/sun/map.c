@@ -111,13 +111,27 @@ static void maps_equal_the_reference(void **state)
 
 // -- sums --------------------------------------------------------------------
 
-/* The paper's sum, on the CPU: 8 bits, a step rounded at a time. */
-static double byte_sum(const float *map, int texels, bool weight)
+/* The paper's sum, on the CPU: 8 bits, a step rounded at a time; of a map of over
+ * 16 texels a side at most 16 x 16 means of four, dithered by quarters. */
+static double byte_sum(const float *map, int side, bool weight)
 {
-    const double scale = 256.0 / texels;
+    static const double dithers[] = {-0.375, 0.125, 0.375, -0.125};
+    const int n = side > 32 ? 16 : side > 16 ? side / 2 : side;
     double sum = 0.0;
-    for (int t = 0; t < texels; t++)
-        sum = fmin(255.0, sum + rint((double) map[2 * t + weight] * scale));
+    for (int t = 0; t < n * n; t++) {
+        const int x = t % n, y = t / n, wide = n < side ? 2 : 1;
+        // the middles of n parts of a row of pairs
+        const int i = wide * (int) ((x + 0.5) / n * (side / wide));
+        const int j = wide * (int) ((y + 0.5) / n * (side / wide));
+        double mean = 0.0;
+        for (int k = 0; k < wide * wide; k++)
+            mean +=
+                (double)
+                    map[2 * ((j + k / wide) * side + i + k % wide) + weight] /
+                (wide * wide);
+        const double dither = wide == 1 ? 0.0 : dithers[x % 2 + y % 2 * 2];
+        sum = fmin(255.0, sum + rint(mean * 256.0 / (n * n) + dither));
+    }
     return sum;
 }
 
@@ -135,13 +149,13 @@ static void bytes_are_the_papers(void **state)
         float *const map = malloc(2 * (size_t) (size * size) * sizeof *map);
         measure(m, &f.o, &p, false, &l, 1);
         const double exact = gp_sun_map_reference(&f.o, &p, &l, map);
-        const double r = byte_sum(map, size * size, false);
-        const double g = byte_sum(map, size * size, true);
+        const double r = byte_sum(map, size, false);
+        const double g = byte_sum(map, size, true);
         assert_true(fabs(l.visibility - (g > 0.0 ? r / g : 0.0)) < 1e-6);
         if (size == 16) // a step, and the last one that does not fit
             assert_true(fabs(l.visibility - exact) <= 1.0 / 255.0);
-        if (size >= 32)
-            assert_true(l.visibility == 0.0 && exact > 0.1);
+        if (size >= 32 && !(fabs(l.visibility - exact) <= 0.02 && exact > 0.1))
+            fail_msg("%d: %g, not %g", size, l.visibility, exact);
         free(map);
     }
     free_frame(&f);
