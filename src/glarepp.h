@@ -732,6 +732,10 @@ enum glarepp_view {
     // set by the caller, before SENSE: plane[0], share of a pixel's light that
     // may glare; 0 outside of its window
     GLAREPP_SOURCE_MASK,
+    // ... before SHARES: plane[0] is a struct glarepp_stored of deep data, borrowed
+    // to the frame's end, with Z in the unit of DEPTH by distance, A and maybe ZBack,
+    // in any order; it hides lights in place of DEPTH and COVERAGE
+    GLAREPP_DEEP,
     GLAREPP_VIEWS,
 };
 

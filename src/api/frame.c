@@ -234,6 +234,33 @@ static gp_status replace_layer(struct glarepp_frame *f,
     return st;
 }
 
+/* Takes the samples that hide lights. */
+static gp_status take_deep(struct glarepp_frame *f,
+                           const struct glarepp_image *image)
+{
+    const struct glarepp_stored *const s = image->plane[0];
+    const struct glarepp_rect w = s ? s->data : (struct glarepp_rect) {0};
+    struct gp_deep d = {.window = {w.x0, w.y0, w.x1, w.y1},
+                        .first = s ? s->first : NULL};
+    const float **const to[] = {&d.z, &d.alpha, &d.back};
+    static const char *const name[] = {"Z", "A", "ZBack"};
+    for (int i = 0; s && i < s->channels; i++) {
+        const struct glarepp_channel *const c = &s->channel[i];
+        for (int k = 0; k < 3; k++) {
+            if (strcmp(c->name, name[k]) == 0 && !c->is_uint)
+                *to[k] = c->v;
+        }
+    }
+    if (!d.first || !d.z || !d.alpha || gp_rect_empty(d.window))
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.deep",
+                          "%s: deep pixels "
+                          "need channels Z and A of floats",
+                          s && s->name ? s->name : f->sink.name);
+    f->deep = d;
+    f->hidden = false;
+    return GP_OK;
+}
+
 int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
                       const struct glarepp_image *plane)
 {
@@ -249,6 +276,10 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
     gp_status st = GP_OK;
     if (view == GLAREPP_GLARE) {
         GP_TRY(replace_layer(f, plane));
+        goto out;
+    }
+    if (view == GLAREPP_DEEP) {
+        st = take_deep(f, plane);
         goto out;
     }
     if (!to)

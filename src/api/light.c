@@ -73,8 +73,8 @@ static bool is_traced(const struct glarepp_frame *f, const struct gp_light *l)
     return p->outside == GLAREPP_BY_SCENE && f->work->scene && l->sight.known &&
            (l->sight.lamp || isinf(l->depth)) &&
            (p->share_by == GLAREPP_SHARES_SCENE ||
-            (p->share_by == GLAREPP_SHARES_AUTO && p->method == GLAREPP_EXACT &&
-             f->work->scene->scene.objects > 0));
+            (!f->deep.first && p->share_by == GLAREPP_SHARES_AUTO &&
+             p->method == GLAREPP_EXACT && f->work->scene->scene.objects > 0));
 }
 
 /* Warns once where the frame's own planes say another share than the scene. */
@@ -83,7 +83,7 @@ static void check_share(struct glarepp_frame *f, const struct gp_light *light)
     const struct gp_occluders *const o = &f->work->lights->suns.occluders;
     struct gp_light own = *light;
     own.traced = false;
-    if (!light->traced || (!o->depth && !o->mask))
+    if (!light->traced || (!o->depth && !o->mask && !o->deep))
         return;
     gp_sun_exact(o, GLAREPP_IGNORE, &own, 1);
     gp_sun_interval(o, GLAREPP_IGNORE, &own, 1); // any share outside of it
@@ -196,9 +196,13 @@ gp_status gp_api_shares(struct glarepp_frame *f)
         suns->light[i].traced = is_traced(f, &suns->light[i]);
         traced += suns->light[i].traced;
     }
+    if (f->deep.first && f->plan->sun.method != GLAREPP_EXACT)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.method",
+                          "%s: GL has no samples of deep pixels", f->sink.name);
     if (!f->hidden)
         gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
-                     f->mask.v ? &f->mask : NULL, suns);
+                     f->mask.v ? &f->mask : NULL,
+                     f->deep.first ? &f->deep : NULL, suns);
     f->hidden = true;
     gp_status st = measure_by_scene(f);
     if (!st)

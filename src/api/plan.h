@@ -187,6 +187,7 @@ struct glarepp_frame {
     struct gp_api_group *group;    // owned
     int groups;
     struct gp_plane depth, mask, normal[3], albedo[3], source_mask;
+    struct gp_deep deep;           // first NULL: none
     struct gp_api_work *work;      // lent, from the first step that needs it
     struct gp_sources sources;     // of the frame, or of the groups together,
                                    // times their gains

@@ -492,6 +492,7 @@ gp_status gp_jobs_check_names(
     if (c.exists) {
         GP_TRY(check_beside(&c, "--depth-file", s->sun.depth_file, j));
         GP_TRY(check_beside(&c, "--mask-file", s->sun.mask_file, j));
+        GP_TRY(check_beside(&c, "--deep", s->sun.deep, j));
         GP_TRY(check_beside(&c, "--source", s->light.source, j));
     }
     if (c.exists && s->light.mask && !gp_mask_word_of(s->light.mask).crypto)

@@ -351,6 +351,11 @@ const struct gp_option gp_options[] = {
     OPT(sun.mask_file, .name = "mask-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
         .help = "Read coverage from this file (or pattern)"),
+    OPT(sun.deep, .name = "deep", IN(SUN), .arg = "FILE",
+        .needs = GP_NEED_LIGHT, .help = "Hide lights by the alpha that the samples "
+        "of this deep EXR (or pattern) have before them, in place of depth and "
+        "coverage; without it, by a deep part of the frame's own, unless --depth, "
+        "--mask or their files are given"),
 
     OPT(light.layer.engine, .name = "engine", .letter = 'e', IN(ENGINE),
         .arg = "NAME", .list = gp_engine_name, .help = "Compute the glare layer "

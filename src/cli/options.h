@@ -164,7 +164,7 @@ struct gp_sun_settings {
     const char *write_lights;          // those found; NULL: not given
     struct glarepp_light light;        // of these
     struct glarepp_light_params p;     // degrees is --sun-size
-    const char *depth_file, *mask, *mask_file;
+    const char *depth_file, *mask, *mask_file, *deep;
     struct gp_texts relight;           // names of the scene's lights, or all
 };
 

@@ -115,3 +115,58 @@ out:
     free(name);
     return st;
 }
+
+// -- depth and deep pixels --------------------------------------------------------
+
+gp_status gp_name_own_depth(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    static const char *const types[] = {
+        [GP_UINT] = "uint",
+        [GP_HALF] = "half",
+        [GP_FLOAT] = "float",
+    };
+    const struct gp_log *const log = fs->log;
+    const char *const asked = r->s->input.depth;
+    struct gp_occluder_facts *const facts = &fs->facts.hidden;
+    enum gp_pixel_type type;
+    const gp_status st = gp_name_depth(asked ? log : NULL, &fs->file, asked,
+                                       &fs->depth.name, &type);
+    facts->depth = st ? NULL : fs->depth.name;
+    if (facts->depth)
+        facts->depth_type = types[type];
+    if (st == GP_ERR_BUG && !asked)
+        return gp_no_memory(log, fs->job->input);
+    return asked ? st : GP_OK;
+}
+
+gp_status gp_read_samples(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_settings *const s = r->s;
+    const struct gp_sun_settings *const sun = &s->sun;
+    const struct gp_rect *const w = &fs->deep.data;
+    struct glarepp_image v = GLAREPP_IMAGE;
+    char *name = NULL;
+    gp_status st = GP_OK;
+    bool found;
+    if (!sun->deep && (sun->mask || sun->mask_file || sun->depth_file ||
+                       s->input.depth || sun->p.method != GLAREPP_EXACT))
+        return GP_OK;
+    if (sun->deep)
+        GP_TRY(gp_job_beside(fs->log, fs->job, sun->deep, &name));
+    GP_TRY(gp_read_deep(fs->log, &s->input.read, &fs->file, name, &fs->deep,
+                        &found));
+    struct glarepp_stored deep = {
+        .size = sizeof deep,
+        .name = name,
+        .data = {w->x0, w->y0, w->x1, w->y1},
+        .channel = fs->deep.channel,
+        .channels = fs->deep.channels,
+        .first = fs->deep.first,
+    };
+    v.plane[0] = &deep;
+    if (found)
+        st = (gp_status) glarepp_frame_set(fs->frame, GLAREPP_DEEP, &v);
+out:
+    free(name);
+    return st;
+}

@@ -42,6 +42,7 @@ struct gp_frame_state {
     int groups;                    // borrow from the file
     struct gp_frame source;        // of --source; path NULL: none
     struct gp_plane depth, mask, normal[3], albedo[3], source_mask;
+    struct gp_stored_image deep;
     struct glarepp_frame *frame;   // borrows the planes of all of these
     bool converted;                // its layers are in --output-space
     struct glarepp_plan *plan;     // of its numbers; borrowed
@@ -97,6 +98,16 @@ GP_MUST_CHECK gp_status gp_run_occluders(const struct gp_run *r,
  * of the frame as it was read. */
 GP_MUST_CHECK gp_status gp_read_source(const struct gp_run *r,
                                        struct gp_frame_state *fs);
+
+/* Names the depth for the report, which nothing reads without lights: only one
+ * that --depth asked for may not be missing. */
+GP_MUST_CHECK gp_status gp_name_own_depth(const struct gp_run *r,
+                                          struct gp_frame_state *fs);
+
+/* Reads --deep, or a deep part of the frame's file, where there is one, and gives it
+ * to the library. */
+GP_MUST_CHECK gp_status gp_read_samples(const struct gp_run *r,
+                                        struct gp_frame_state *fs);
 
 /* Reads --source-mask and gives it to the library. */
 GP_MUST_CHECK gp_status gp_read_source_mask(const struct gp_run *r,

@@ -244,4 +244,12 @@ GP_MUST_CHECK gp_status gp_stored_read(const struct gp_log *log,
     struct gp_stored_image *out);
 void gp_stored_image_free(struct gp_stored_image *image);
 
+/* Reads the first deep part that has A: of a file, or with path NULL of a frame's, of
+ * its colour's view; *found false: it has none. Errors: as gp_stored_read(); GP_ERR_DATA
+ * the file has none. */
+GP_MUST_CHECK gp_status gp_read_deep(const struct gp_log *log,
+                                     const struct gp_read_params *p,
+                                     const struct gp_frame *f, const char *path,
+                                     struct gp_stored_image *out, bool *found);
+
 #endif

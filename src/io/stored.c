@@ -215,3 +215,45 @@ void gp_stored_image_free(struct gp_stored_image *image)
     gp_planes_free(&image->own);
     *image = (struct gp_stored_image) {0};
 }
+
+// -- deep pixels beside a frame -------------------------------------------------
+
+/* Returns the first deep part with a channel A, in the view of part `like` where that
+ * is not -1; -1: none. */
+static int deep_part(const struct gp_input *in, int like)
+{
+    const char *const view = like < 0 ? NULL : gp_exr_part_view(in, like);
+    for (int part = 0; part < in->parts; part++) {
+        const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
+        const char *const own = gp_exr_part_view(in, part);
+        if (!gp_exr_is_deep(in, part) ||
+            (view && own && strcmp(view, own) != 0))
+            continue;
+        for (int i = 0; i < list->num_channels; i++) {
+            if (strcmp(list->entries[i].name.str, "A") == 0)
+                return part;
+        }
+    }
+    return -1;
+}
+
+gp_status gp_read_deep(const struct gp_log *log, const struct gp_read_params *p,
+                       const struct gp_frame *f, const char *path,
+                       struct gp_stored_image *out, bool *found)
+{
+    struct gp_stored_file file = {.path = f->path, .input = f->input};
+    gp_status st = path ? gp_stored_open(log, p, path, &file) : GP_OK;
+    const int part =
+        st || !file.input ? -1 : deep_part(file.input, path ? -1 : f->part);
+    *found = part >= 0;
+    if (*found)
+        st = gp_stored_read(log, p, &file, part, out);
+    else if (path && !st)
+        st = gp_fail(log, GP_ERR_DATA,
+                     "%s: no deep part with a channel A; give "
+                     "a deep EXR, or its coverage with --mask",
+                     path);
+    if (path)
+        gp_stored_close(&file);
+    return st;
+}

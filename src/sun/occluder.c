@@ -54,6 +54,12 @@ struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y, bool *beyond)
 {
+    if (beyond)
+        *beyond = false;
+    if (o->deep)
+        return gp_deep_clear(o->deep, x, y,
+                             isinf(l->depth) ? (double) INFINITY
+                                             : l->depth * (1.0 - l->bias));
     const struct gp_sun_pixel p = gp_occluders_at(o, x, y);
     const bool past = !isinf(p.place) && !hides(l, p.place);
     if (beyond)
@@ -257,7 +263,8 @@ static void bounds_of(const struct gp_occluders *o, const struct gp_light *l,
                       int x, int y, double *lo, double *hi)
 {
     const struct gp_rect f = o->frame;
-    const int around = o->mask && !o->depth ? 0 : 1; // coverage has no others
+    // coverage has no others
+    const int around = o->deep || (o->mask && !o->depth) ? 0 : 1;
     bool beyond, any = false;
     const double own = gp_occluders_show(o, l, x, y, &beyond);
     *lo = *hi = own;
@@ -282,6 +289,33 @@ static void bounds_of(const struct gp_occluders *o, const struct gp_light *l,
     *hi = *hi > 0.0 ? 1.0 : 0.0;
 }
 
+/* Returns what shows of a deep pixel's part in the disc, per area: its quarters show more
+ * towards neighbours that do, in the mean what it shows itself. */
+static double part_shown(const struct gp_occluders *o, const struct gp_light *l,
+                         double r, int x, int y)
+{
+    static const double STEEP =
+        2.0; // an edge is steeper than its neighbours say
+    const double own = gp_occluders_show(o, l, x, y, NULL);
+    const double across = gp_occluders_show(o, l, x + 1, y, NULL) -
+                          gp_occluders_show(o, l, x - 1, y, NULL);
+    const double down = gp_occluders_show(o, l, x, y + 1, NULL) -
+                        gp_occluders_show(o, l, x, y - 1, NULL);
+    const double slope = 0.125 * (fabs(across) + fabs(down)); // to a quarter
+    const double most = fmin(own, 1.0 - own);
+    const double k = slope * STEEP > most ? most / slope : STEEP;
+    double area = 0.0, shown = 0.0;
+    for (int q = 0; q < 4; q++) {
+        const double left = x + 0.5 * (q % 2), top = y + 0.5 * (q / 2);
+        const double a = light_area(l, r, left, top, left + 0.5, top + 0.5);
+        const double more =
+            0.125 * k * ((q % 2 ? across : -across) + (q / 2 ? down : -down));
+        area += a;
+        shown += a * (own + more);
+    }
+    return area > 0.0 ? fmin(fmax(shown / area, 0.0), 1.0) : own;
+}
+
 /* Adds the pixels of `rect` that the disc touches, but those of `done`.
  *   bounds  of what they may show; else what they show */
 static void add_rect(const struct gp_occluders *o, const struct gp_light *l,
@@ -299,10 +333,12 @@ static void add_rect(const struct gp_occluders *o, const struct gp_light *l,
             if (!(area > 0.0) || (x >= done.x0 && x < done.x1 && y >= done.y0 &&
                                   y < done.y1))
                 continue;
-            if (bounds)
+            if (bounds && !(o->deep && area > 1.0 - 1e-9))
                 bounds_of(o, l, x, y, &lo, &hi);
             else
-                lo = hi = gp_occluders_show(o, l, x, y, NULL);
+                lo = hi = o->deep && area < 1.0 - 1e-9
+                              ? part_shown(o, l, r, x, y)
+                              : gp_occluders_show(o, l, x, y, NULL);
             s->area += area;
             s->low += area * lo;
             s->high += area * hi;
@@ -330,9 +366,12 @@ static void add_frame(const struct gp_occluders *o, const struct gp_light *l,
     const struct gp_rect f = o->frame;
     struct sums s = {0};
     // pixels beside the planes' windows may be at their edges
-    const struct gp_rect depth = known_rect(o->depth, f, bounds);
+    const struct gp_rect depth = o->deep ? gp_rect_meet(o->deep->window, f)
+                                         : known_rect(o->depth, f, bounds);
     add_rect(o, l, bounds, depth, (struct gp_rect) {0}, &s);
-    add_rect(o, l, bounds, known_rect(o->mask, f, bounds), depth, &s);
+    add_rect(o, l, bounds,
+             o->deep ? (struct gp_rect) {0} : known_rect(o->mask, f, bounds),
+             depth, &s);
     const double r = radius_of(l);
     double clear = light_area(l, r, f.x0, f.y0, f.x1, f.y1) - s.area;
     clear = clear > rounding_of(r) ? clear : 0.0;

@@ -7,6 +7,7 @@
  *   depth only      0 where a surface is nearer than the light, else 1
  *   both            1 - m where a surface is nearer or where depth is empty
  *                   (a leaf's edge, whose depth sample missed it); else 1
+ *   deep        gp_deep_clear() of the samples that are nearer, whatever else is
  * m is the mask clamped to [0, 1], NaN 0. A surface is nearer when
  * z < depth * (1 - bias); every surface is nearer than an infinite depth.
  *
@@ -16,6 +17,7 @@
 #ifndef GP_SUN_OCCLUDER_H
 #define GP_SUN_OCCLUDER_H
 
+#include "core/deep.h"
 #include "core/image.h"
 #include "core/status.h"
 #include "sun/lights.h"
@@ -24,6 +26,7 @@
 
 struct gp_occluders {
     const struct gp_plane *depth, *mask; // borrowed; NULL: none
+    const struct gp_deep *deep;          // the same; z in the unit of lights
     enum gp_depth_type type;
     struct gp_rect frame;        // pixels that may be hidden or clear:
                                  // display and data window together, or with
@@ -56,7 +59,8 @@ double gp_occluders_show(const struct gp_occluders *o,
 
 /* visibility = sum(area * shown) / sum(area), both over the pixels of
  * o->frame, and the area outside of it as `outside` says; in double. IGNORE takes
- * it over the part inside, 0 where there is none; BY_SCENE counts the part
+ * it over the part inside, 0 where there is none. A deep pixel that the edge of a
+ * disc cuts shows more on the side of neighbours that do. BY_SCENE counts the part
  * outside by gp_light.outside, and so all of a light behind the camera or traced. A light
  * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
  * 1e9; one behind the camera has 0, but for GLAREPP_BY_SCENE. All hidden is
@@ -69,7 +73,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
  * its disc, with every pixel at an edge hidden, and with every one clear. A
  * pixel is at an edge where its coverage is not 0 or 1; by depth alone, where
  * one of its eight neighbours shows another share; with both, there too if it
- * or that neighbour has a surface that is not nearer than the light.
+ * or that neighbour has a surface that is not nearer than the light. Deep pixels that
+ * are wholly in the disc show their share.
  * Outside of the frame, and behind the camera, a light may be hidden or clear;
  * with GLAREPP_BY_SCENE it is gp_light.outside within its error.
  * low <= visibility <= high. Writes in_frame.

@@ -296,7 +296,7 @@ static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
                       l->y - l->radius < r.y1);
     }
     if (!any || suns->occluders.depth || suns->occluders.mask ||
-        suns->warned_clear)
+        suns->occluders.deep || suns->warned_clear)
         return;
     suns->warned_clear = true;
     gp_say_at(log, GP_LEVEL_WARN, "frame.coverage",
@@ -306,13 +306,14 @@ static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
 
 void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
-                  struct gp_suns *suns)
+                  const struct gp_deep *deep, struct gp_suns *suns)
 {
     warn_of_window(log, depth, f, suns);
     warn_of_window(log, mask, f, suns);
     suns->occluders = (struct gp_occluders) {
         .depth = depth,
         .mask = mask,
+        .deep = deep,
         .type = (enum gp_depth_type) suns->p->depth,
         // a scene knows what is outside the file's pixels, and in the display
         .frame = suns->p->outside == GLAREPP_BY_SCENE

@@ -94,12 +94,12 @@ GP_MUST_CHECK gp_status gp_suns_spot(const struct gp_log *log,
                                      int knowns, int most, bool *wide,
                                      struct gp_suns *suns);
 
-/* Tells what may hide the lights: planes, borrowed to the end of the frame, NULL
- * where there are none. One with a name is of another file, and a warning says
+/* Tells what may hide the lights: planes, or deep pixels in their place, borrowed to
+ * the end of the frame, NULL where there are none. One with a name is of another file, and a warning says
  * so where it does not cover the frame. */
 void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
-                  struct gp_suns *suns);
+                  const struct gp_deep *deep, struct gp_suns *suns);
 
 /* Measures the visibility of each light. Errors: GP_ERR_GL, GP_ERR_BUG. */
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,

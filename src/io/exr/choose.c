@@ -224,13 +224,14 @@ struct search {
     int only;  // this part and no other, or -1
 };
 
-/* Searches all parts for colour, then for a lone channel; a deep part comes
- * before that, so that its reader reports it. out->part is -1: none. */
+/* Searches all parts for colour, then for a lone channel; a deep part comes before
+ * that, with its colour, or without, so that its reader reports it. out->part is -1:
+ * none. */
 static gp_status search_parts(const struct search *s, const char *layer,
     const char *view, struct gp_exr_choice *out)
 {
     const struct gp_input *const in = s->in;
-    int deep = -1;
+    struct gp_exr_choice deep = {-1, {.index = {-1, -1, -1}}};
     *out = (struct gp_exr_choice) {.part = -1};
     for (int lone = 0; lone < 2; lone++) {
         for (int i = -1; i < in->parts; i++) {
@@ -238,10 +239,6 @@ static gp_status search_parts(const struct search *s, const char *layer,
             if (i == s->first || (s->only >= 0 && part != s->only) ||
                 (view && !has_view(in, part, view)))
                 continue;
-            if (gp_exr_is_deep(in, part)) {
-                deep = deep < 0 ? part : deep;
-                continue;
-            }
             // the part's channels of the view; those of ids are no colour
             const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
             const int channels = list->num_channels;
@@ -270,13 +267,19 @@ static gp_status search_parts(const struct search *s, const char *layer,
                               gp_find_layer_colour(name, channels, "", false,
                                                    &out->colour));
             gp_free(name);
-            if (found) {
+            if (found && !gp_exr_is_deep(in, part)) {
                 out->part = part;
                 return GP_OK;
             }
+            if (!layer && deep.colour.index[0] < 0 &&
+                gp_exr_is_deep(in, part)) {
+                deep.part = part;
+                if (found)
+                    deep.colour = out->colour;
+            }
         }
-        if (deep >= 0 && !layer) {
-            *out = (struct gp_exr_choice) {.part = deep};
+        if (deep.part >= 0) {
+            *out = deep;
             break;
         }
     }

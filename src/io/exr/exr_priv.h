@@ -128,13 +128,23 @@ struct gp_exr_choice {
 /* Chooses by p->layer, p->part and p->view, as read.h says.
  *
  *   first  the part that is searched first
- *   out    may be a deep part, without a colour, which gp_exr_chunks_find()
- *          refuses
+ *   out    may be a deep part, where no other has the colour; one without
+ *          colour is refused by gp_exr_chunks_find()
  *
  * Errors: GP_ERR_DATA no colour channel; GP_ERR_USAGE as in gp_read_frame(). */
 GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const struct gp_input *in,
     int first, struct gp_exr_choice *out);
+
+/* The frame of a deep part and its colour (flatten.c), without an input: of its
+ * channels those of the colour and A. Errors: those of gp_exr_deep_read(); GP_ERR_DATA
+ * no Z or no A. */
+GP_MUST_CHECK gp_status gp_exr_read_flat(const struct gp_log *log,
+                                         const struct gp_read_params *p,
+                                         const char *path,
+                                         const struct gp_input *in,
+                                         const struct gp_exr_choice *choice,
+                                         struct gp_frame *out);
 
 /* -- luminance-chroma images to RGB (luma_chroma.c) ------------------------
  *

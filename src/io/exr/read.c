@@ -179,6 +179,9 @@ static gp_status read_choice(const struct gp_log *log,
     struct reading r = {
         .log = log, .path = path, .f = &f, .choice = choice,
     };
+    if (gp_exr_is_deep(in, choice->part) &&
+        choice->colour.model != GP_COLOUR_YC && index[0] >= 0)
+        return gp_exr_read_flat(log, p, path, in, choice, out);
     GP_TRY(gp_exr_chunks_find(log, path, in, choice->part, p->max_pixels,
                               &r.chunks));
     gp_exr_frame_header(&r.chunks, &f);

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Deep frames of leaves and smoke, and the shares of lights in them.
+
+    deep.py make FOLDER       deep.exr, other.exr (its samples in another order), plain.exr
+                              (its picture), lights.json, truth.json
+    deep.py check TRUTH.json REPORT.json LIMIT
+
+A pixel's samples are what a renderer writes: the coverage of each leaf, nearest first, by
+8 x 8 rays; of smoke its alpha between front and back. The truth is of a second camera,
+which looks at one light only: 256 x 256 rays to its disc, through the same leaves
+and smoke."""
+import json
+import math
+import random
+import struct
+import sys
+
+W, H, RAYS, LOOKS = 96, 64, 8, 256
+
+
+def scene(rng):
+    """Leaves (z, x, y, half axes, cos, sin), smoke (z, back, x, y, radius, density)."""
+    leaves = []
+    for _ in range(90):
+        turn = rng.uniform(0, math.pi)
+        leaves.append((rng.uniform(4, 40), rng.uniform(-4, 52), rng.uniform(-4, 68),
+                       rng.uniform(2, 7), rng.uniform(1, 2.5), math.cos(turn),
+                       math.sin(turn)))
+    smoke = []
+    for _ in range(12):
+        z, thick = rng.uniform(3, 30), rng.uniform(1, 12)
+        smoke.append((z, z + thick, rng.uniform(50, 96), rng.uniform(0, 64),
+                      rng.uniform(9, 22), rng.uniform(0.01, 0.12)))
+    return sorted(leaves), smoke
+
+
+def in_leaf(leaf, x, y):
+    _, cx, cy, a, b, c, s = leaf
+    u, v = (x - cx) * c + (y - cy) * s, (y - cy) * c - (x - cx) * s
+    return (u / a) ** 2 + (v / b) ** 2 < 1
+
+
+def path(puff, x, y):
+    """Optical depth of a puff: densest in its middle, even along the view."""
+    z, back, cx, cy, r, density = puff
+    q = 1 - ((x - cx) ** 2 + (y - cy) ** 2) / (r * r)
+    return density * (back - z) * q if q > 0 else 0.0
+
+
+def clear(leaves, smoke, depth, x, y):
+    """Share of light from `depth` along a ray."""
+    if any(leaf[0] < depth and in_leaf(leaf, x, y) for leaf in leaves):
+        return 0.0
+    t = 0.0
+    for puff in smoke:
+        part = (min(depth, puff[1]) - puff[0]) / (puff[1] - puff[0])
+        t += max(part, 0.0) * path(puff, x, y)
+    return math.exp(-t)
+
+
+def samples(leaves, smoke, x, y):
+    """Samples (z, back, alpha) of a pixel."""
+    at = [(x + (i + 0.5) / RAYS, y + (j + 0.5) / RAYS)
+          for i in range(RAYS) for j in range(RAYS)]
+    out, open_rays = [], at
+    for leaf in leaves:
+        left = [p for p in open_rays if not in_leaf(leaf, *p)]
+        if len(left) < len(open_rays):
+            out.append((leaf[0], leaf[0], 1 - len(left) / len(open_rays)))
+        open_rays = left
+        if not left:
+            break
+    for puff in smoke:
+        mean = sum(math.exp(-path(puff, *p)) for p in at) / len(at)
+        if mean < 1:
+            out.append((puff[0], puff[1], 1 - mean))
+    return out
+
+
+def near(things, x, y, r):
+    """The leaves or puffs that may be within r of a point."""
+    def reach(t):
+        return t[3] if len(t) == 7 else t[4]
+
+    def at(t):
+        return t[1:3] if len(t) == 7 else t[2:4]
+    return [t for t in things if math.dist(at(t), (x, y)) < reach(t) + r]
+
+
+def attribute(name, kind, data):
+    return (name.encode() + b"\0" + kind.encode() + b"\0" +
+            struct.pack("<i", len(data)) + data)
+
+
+def write(path, pixels, order):
+    """A deep EXR of scanlines without compression; pixels[y][x] is a list of samples."""
+    names = ["A", "B", "G", "R", "Z", "ZBack"]
+    box = struct.pack("<4i", 0, 0, W - 1, H - 1)
+    channels = b"".join(n.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1)
+                        for n in names) + b"\0"
+    head = struct.pack("<ii", 20000630, 2 | 0x800)
+    for a in (("channels", "chlist", channels), ("compression", "compression", b"\0"),
+              ("dataWindow", "box2i", box), ("displayWindow", "box2i", box),
+              ("lineOrder", "lineOrder", b"\0"),
+              ("pixelAspectRatio", "float", struct.pack("<f", 1)),
+              ("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
+              ("screenWindowWidth", "float", struct.pack("<f", 1)),
+              ("type", "string", b"deepscanline"), ("version", "int", struct.pack("<i", 1)),
+              ("chunkCount", "int", struct.pack("<i", H))):
+        head += attribute(*a)
+    head += b"\0"
+    body, table, at = b"", b"", len(head) + 8 * H
+    for y, row in enumerate(pixels):
+        row = [order(s) for s in row]
+        counts, n = b"", 0
+        for s in row:
+            n += len(s)
+            counts += struct.pack("<i", n)
+        data = b""
+        for name in names:
+            for s in row:
+                for z, back, a in s:
+                    v = {"A": a, "Z": z, "ZBack": back, "R": 0.5 * a, "G": z / 40 * a,
+                         "B": (z + back) / 80 * a}[name]
+                    data += struct.pack("<f", v)
+        chunk = struct.pack("<iQQQ", y, len(counts), len(data), len(data)) + counts + data
+        table += struct.pack("<Q", at)
+        at += len(chunk)
+        body += chunk
+    with open(path, "wb") as f:
+        f.write(head + table + body)
+
+
+def make(folder):
+    rng = random.Random(39)
+    leaves, smoke = scene(rng)
+    pixels = []
+    for y in range(H):
+        pixels.append([samples(near(leaves, x + 0.5, y + 0.5, 0.8),
+                               near(smoke, x + 0.5, y + 0.5, 0.8), x, y)
+                       for x in range(W)])
+    write(folder + "/deep.exr", pixels, lambda s: s)
+    write(folder + "/other.exr", pixels, lambda s: s[::-1])
+    lights, truth = [], {}
+    for k, (x, y, r, depth) in enumerate(
+            [(24.3, 30.1, 15, None), (24.3, 30.1, 15, 20), (22, 33.7, 20, 12),
+             (30.5, 26, 12, None), (72.4, 31.2, 12, None), (70, 30, 15, 15),
+             (75.2, 36.6, 6, 9.5), (80, 20, 2.5, 25), (48, 32, 25, None),
+             (20, 32, 2.5, None)]):
+        name = "l%d" % k
+        lights.append({"name": name, "pixel": [x, y], "radius": r, "bias": 0,
+                       **({"depth": depth} if depth else {})})
+        own, puffs, total = near(leaves, x, y, r), near(smoke, x, y, r), 0.0
+        looks = LOOKS if r > 5 else 2 * LOOKS
+        n = 0
+        for i in range(0, looks):
+            for j in range(0, looks):
+                u, v = (i + 0.5) / looks * 2 - 1, (j + 0.5) / looks * 2 - 1
+                if u * u + v * v < 1:
+                    n += 1
+                    total += clear(own, puffs, depth or math.inf, x + u * r, y + v * r)
+        truth[name] = total / n
+    json.dump(lights, open(folder + "/lights.json", "w"))
+    json.dump(truth, open(folder + "/truth.json", "w"))
+
+
+def check(truth, report, limit):
+    want = json.load(open(truth))
+    got = {l["name"]: l for l in json.load(open(report))["lights"]}
+    off = {k: abs(got[k]["visibility"] - want[k]) for k in want}
+    held = sum(got[k]["interval"][0] - 1e-4 <= want[k] <= got[k]["interval"][1] + 1e-4
+               for k in want)
+    large = [off[k] for k in want if got[k]["radius"] >= 6]
+    print(len(want), held, max(large) <= limit)
+    print("mean %.4f, worst %.4f of discs of 6 pixels and more, %.4f of small ones" % (
+        sum(large) / len(large), max(large), max(off.values())), file=sys.stderr)
+    if "-v" in sys.argv:
+        for k in want:
+            print(k, got[k]["radius"], want[k], got[k]["visibility"], got[k]["interval"])
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "make":
+        make(sys.argv[2])
+    else:
+        check(sys.argv[2], sys.argv[3], float(sys.argv[4]))
