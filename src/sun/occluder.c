@@ -369,8 +369,7 @@ static void add_frame(const struct gp_occluders *o, const struct gp_light *l,
     const struct gp_rect depth = o->deep ? gp_rect_meet(o->deep->window, f)
                                          : known_rect(o->depth, f, bounds);
     add_rect(o, l, bounds, depth, (struct gp_rect) {0}, &s);
-    add_rect(o, l, bounds,
-             o->deep ? (struct gp_rect) {0} : known_rect(o->mask, f, bounds),
+    add_rect(o, l, bounds, known_rect(o->deep ? NULL : o->mask, f, bounds),
              depth, &s);
     const double r = radius_of(l);
     double clear = light_area(l, r, f.x0, f.y0, f.x1, f.y1) - s.area;

@@ -21,10 +21,6 @@ while read -r f; do
     name=${f#"$data"/}
     rm -f h.exr
     case $name in
-    deep/*)
-        run --hdr h.exr "$f"
-        fails_with 4 "$name" "$name is deep"
-        ;;
     cryptomatte/sidecar_manifest.exr)
         run --hdr h.exr "$f"
         fails_with 4 "$name" "$name has no colour"
