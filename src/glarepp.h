@@ -653,13 +653,19 @@ struct glarepp_frame_params {
     bool parts_of_groups; // ... after COMPOSE or DONE what groups spread is
                           // in their own GLARE, and not in PART_*
     int projection;       // what its file says; 0: nothing
+    bool veil;            // facts.veil is wanted
+    bool fixated;         // `fixation` is given; else the display's middle
+    double fixation[2];   // where the eye looks, EXR pixel space
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
     {                                                                         \
         sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0},     \
             false, NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0}, \
             GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, 4e-4f, false, false, false, \
-            NULL, false, NULL, false, 0                                       \
+            NULL, false, NULL, false, 0, false, false,                        \
+        {                                                                     \
+            0.0, 0.0                                                          \
+        }                                                                     \
     }
 
 struct glarepp_frame;
@@ -881,6 +887,24 @@ struct glarepp_facts {
     const struct glarepp_relit *relit;
     int relits;
     double engines_ms, engines_cpu_ms; // of the last step, by engines
+    /* The veil of the frame's light in an eye, by SENSE, in cd/m2 and lux: equations in
+     * glare/veil.h. NAN: not known. */
+    struct {
+        const char *missing; // why it has no figures; NULL: it has
+        double white;        // cd/m2 of scene value 1; 0: no figures
+        double at[2];        // where the eye looks
+        double age, pigment; // of the first kernel that has them, else 35, .5
+        double seen; // share of light of an even sky that is in the frame
+        double illuminance;          // at the eye
+        double luminance;            // equivalent veiling luminance
+        double luminance_of_sources; // of which of glare sources
+        double fixated;              // mean luminance of the fixated degree
+        double threshold_increment;  // percent, by sources
+        int sources;                 // and the luminance that they are over
+        double source_threshold;
+        bool rated; // the frame is wide enough for
+        double ugr, dgp;
+    } veil;
 };
 const struct glarepp_facts *
 glarepp_frame_facts(const struct glarepp_frame *frame);

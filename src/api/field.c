@@ -6,6 +6,7 @@
 #include "core/maths.h"
 #include "core/minmax.h"
 #include "glare/sky/sky.h"
+#include "glare/veil.h"
 
 #include <math.h>
 #include <string.h>
@@ -204,4 +205,41 @@ double gp_api_left_out(const struct glarepp_frame *f, const struct gp_kernel *k)
         }
     }
     return all > 0.0 ? sum / all : k->left_out;
+}
+
+gp_status gp_api_veil(struct glarepp_frame *f)
+{
+    const struct glarepp_kernel_facts kernel = f->facts.kernel;
+    const struct gp_kernel_request *const r = f->plan->kernel->request;
+    const struct gp_rect *const data = &f->image.data;
+    const struct gp_field field = gp_api_field(f);
+    struct gp_veil_params p = {
+        .projection = field.projection,
+        .at = {f->p.fixation[0], f->p.fixation[1]},
+        .white = f->p.white,
+        .age = 35.0,
+        .pigment = 0.5,
+    };
+    f->facts.kernel = kernel; // a frame without light has no kernel
+    memset(&f->facts.veil, 0, sizeof f->facts.veil);
+    if (!(p.white > 0.0) || p.projection.kind == GP_PLANE) {
+        f->facts.veil.missing =
+            p.white > 0.0 ? "pixels of a plane have no directions"
+                          : "cd/m2 of 1 not known: no whiteLuminance, and no "
+                            "luminance scale is given";
+        return GP_OK;
+    }
+    p.projection.x0 += data->x0 + 0.5;
+    p.projection.y0 += data->y0 + 0.5;
+    for (int k = 0; k < 2 && !f->p.fixated; k++)
+        p.at[k] = gp_rect_middle(f->image.display, k);
+    for (int i = r->recipes - 1; i >= 0; i--) {
+        p.age = gp_recipe_key(&r->recipe[i], "age", p.age);
+        p.pigment = gp_recipe_key(&r->recipe[i], "pigment", p.pigment);
+    }
+    f->facts.veil.white = p.white;
+    f->facts.veil.age = p.age;
+    f->facts.veil.pigment = p.pigment;
+    memcpy(f->facts.veil.at, p.at, sizeof p.at);
+    return gp_veil_measure(&f->log, &p, &f->image, &f->facts);
 }

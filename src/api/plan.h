@@ -276,6 +276,9 @@ bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);
 struct gp_field gp_api_field(struct glarepp_frame *f);
 void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field);
 
+/* Finds facts.veil, of a frame that wants it. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_api_veil(struct glarepp_frame *f);
+
 /* The share of the light of a frame's sources that falls outside of it, by a kernel of
  * true angles. */
 double gp_api_left_out(const struct glarepp_frame *f,

@@ -113,6 +113,10 @@ static gp_status sense(struct glarepp_frame *f)
         f->white = f->p.white > 0.0 ? f->p.white : GP_USUAL_WHITE;
         f->mean = gp_mean_luminance(&f->image, &f->image.rgb);
     }
+    if (f->p.veil)
+        st = gp_api_veil(f);
+    if (st)
+        return st;
     if (f->p.details) {
         gp_planes_sum(&f->image.rgb, gp_image_pixels(&f->image), sum, &squares);
         facts->light = luminance_of(&f->image, sum);

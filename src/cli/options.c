@@ -491,6 +491,14 @@ const struct gp_option gp_options[] = {
     OPT(run.verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,
         .help = "Measure the layer's error against the exact sum in double; "
                 "slow; shown by --report and -v"),
+    OPT(run.fixation, .name = "fixation", IN(REPORT), .needs = GP_NEED_REPORT,
+        .arg = "X,Y", .least = 2, .most = 2, .lo = -1e6, .hi = 1e6,
+        .help = "Let the eye look at this pixel, for the report's veil; "
+                "without it the middle"),
+    OPT(run.luminance_scale, .name = "luminance-scale", IN(REPORT),
+        .arg = "CD", .hi = 1e9, .pixels = true,
+        .help = "Take 1 as so many cd/m2, for the report's veil and for pupils "
+                "that adapt; 0 takes the file's whiteLuminance"),
     CHOICE(run.progress, .name = "progress", IN(REPORT), .arg = "WHEN",
         .choices = gp_progresses,
         .help = "Print frame, rate and time left to stderr"),

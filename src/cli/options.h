@@ -203,6 +203,8 @@ struct gp_run_settings {
     int frame_jobs;                    // frames in flight; 0: by memory
     bool verify;
     const char *report;
+    struct gp_numbers fixation;        // x, y
+    double luminance_scale;            // cd/m2 of 1; 0: the file's
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
 };

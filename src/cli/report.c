@@ -206,6 +206,8 @@ struct row {
     .size = sizeof *((struct gp_frame_report *) 0)->m, .count = AT(gp_frame_report, many)
 #define LIST(label, k, m, many, ...)                                          \
     AS(k, gp_frame_report, label, m, .pointed = true, MANY(m, many), __VA_ARGS__)
+#define VEIL(label, m, ...) \
+    FACT("veil." label, lib.veil.m, IF(lib.veil.white), __VA_ARGS__)
 #define TIME(label, i)                                                        \
     AS(MS, gp_frame_report, "times_ms." label, cost.ms[i]),                          \
     AS(MS, gp_frame_report, "cpu_ms." label, cost.cpu_ms[i], IF(cost.has_cpu))
@@ -344,6 +346,21 @@ static const struct row made_rows[] = {
          .step = 1e-6),
     LIST("relit", OBJECT, lib.relit, lib.relits, IF(lib.relits),
          .rows = relit_rows),
+    SOME("veil.missing", lib.veil.missing),
+    VEIL("white", white),
+    VEIL("fixation", at[0], .size = sizeof(double), .n = 2),
+    VEIL("age", age),
+    VEIL("pigment", pigment),
+    VEIL("seen", seen),
+    VEIL("illuminance", illuminance),
+    VEIL("luminance", luminance),
+    VEIL("luminance_of_sources", luminance_of_sources),
+    VEIL("fixated", fixated),
+    VEIL("threshold_increment", threshold_increment),
+    VEIL("sources", sources),
+    VEIL("source_threshold", source_threshold),
+    FACT("veil.ugr", lib.veil.ugr, IF(lib.veil.rated)),
+    FACT("veil.dgp", lib.veil.dgp, IF(lib.veil.rated)),
     SOME("depth.channel", hidden.depth),
     SOME("depth.type", hidden.depth_type),
     SOME("depth.empty", lib.depth_empty[0]),

@@ -220,6 +220,19 @@ static void say_kernel(FILE *w, const struct gp_frame_report *f)
         fprintf(w, " on %s", g->gl);
 }
 
+static void say_veil(FILE *w, const struct gp_frame_report *f)
+{
+    fprintf(
+        w,
+        "veil of %.3g cd/m2 at %.6g,%.6g, of sources %.3g, TI %.3g %%, %.3g "
+        "lux at the eye",
+        f->lib.veil.luminance, f->lib.veil.at[0], f->lib.veil.at[1],
+        f->lib.veil.luminance_of_sources, f->lib.veil.threshold_increment,
+        f->lib.veil.illuminance);
+    if (f->lib.veil.rated)
+        fprintf(w, ", UGR %.3g, DGP %.3g", f->lib.veil.ugr, f->lib.veil.dgp);
+}
+
 static bool has_level(double gain)
 {
     return gain > 0.0 && gain != 1.0;
@@ -290,6 +303,7 @@ void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f)
         {true, say_input},
         {f->cost.ms[GP_TIME_SENSORS] >= 0.0, say_light},
         {f->lib.kernel.w > 0, say_kernel},
+        {f->lib.veil.white > 0.0, say_veil},
         {f->lib.lights > 0, say_lights},
         {f->lib.flare.runs || has_level(f->lib.flare.gain) || f->lib.lens.name,
          say_ghosts},

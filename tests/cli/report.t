@@ -19,7 +19,7 @@ is "$(wc -l <r.json)" 1 'one line a frame'
 is "$(field r.json 'list(o)')" "['input', 'outputs', 'style', 'command', 'width', 'height', 'window', \
 'engine', 'engine_why', 'threshold', 'sources', 'fft_size', 'flux_in', 'deg_per_pixel', \
 'fov_from', 'projection', 'kernel', 'kernel_left_out', 'flux_out', 'bound', 'measured', 'nonfinite', \
-'clamped', 'depth', 'times_ms', 'cpu_ms', 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
+'clamped', 'veil', 'depth', 'times_ms', 'cpu_ms', 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
 'schema']" 'the fields of an fft run'
 is "$(field r.json 'o["input"], o["outputs"]')" \
     "('in.exr', ['out.exr', 'out.png'])" 'input and outputs'

@@ -182,6 +182,14 @@ struct gp_field gp_field_of(const struct gp_image *f, double fov);
 /* The diameter of the recipe's pupil in a field, mm; 0: the model has none. */
 double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f);
 
+/* The value of a recipe's key; `otherwise` where its model has none of that name. */
+double gp_recipe_key(const struct gp_recipe *r, const char *key,
+                     double otherwise);
+
+/* The general equation of CIE 146 (2002) at t degrees, 0.1 to 100, per steradian: years
+ * of age and pigment as the keys of the model cie. */
+double gp_cie_general(double age, double pigment, double t);
+
 /* Makes the kernel of n recipes, 1 to GP_RECIPES, for a field: where every
  * recipe is smooth far out, a core at full rate in out->k and the rest in
  * out->far, else all in out->k: sum + left_out = 1 in luminance.

@@ -161,9 +161,8 @@ GP_MUST_CHECK gp_status gp_sky_shape(const struct gp_log *log, gp_profile p,
                                      double bends, const struct gp_field *f,
                                      struct gp_shape *out);
 
-/* Spencer's f0 to f3 and the CIE's general equation, per steradian. */
+/* Spencer's f0 to f3, per steradian. */
 double gp_spencer_term(int i, double t, double nm);
-double gp_cie_general(double age, double p, double t);
 
 // -- diffract.c ---------------------------------------------------------------
 

@@ -366,6 +366,16 @@ void gp_recipe_adapt(struct gp_recipe *r, double mean, double white)
                        r->model->keys[i].hi);
 }
 
+double gp_recipe_key(const struct gp_recipe *r, const char *key,
+                     double otherwise)
+{
+    for (int i = 0; r->model->keys[i].name; i++) {
+        if (strcmp(r->model->keys[i].name, key) == 0)
+            return r->value[i];
+    }
+    return otherwise;
+}
+
 const char *gp_recipe_file(const struct gp_recipe *r)
 {
     for (int i = 0; r->model->keys[i].name; i++) {
