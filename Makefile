@@ -73,7 +73,7 @@ OIIO_SRC := $(wildcard src/io/oiio/*.cpp)
 OCIO_SRC := src/tone/ocio_bridge.cpp
 BRIDGES := $(B)/glarepp-oiio $(B)/glarepp-ocio.so
 
-OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o
+OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o $(B)/cli/page/text.o
 ROOM_OBJ := $(filter-out %/main.o,$(OBJ))
 LIB_ROOMS := api compare core gl glare scene sun tone
 LIB_OBJ := $(filter $(LIB_ROOMS:%=$(B)/%/%),$(OBJ))
@@ -108,7 +108,16 @@ $(B)/gl/shaders.c: $(SHADERS) Makefile
 	     od -An -v -tx1 $$f | sed 's/ \([0-9a-f]*\)/0x\1,/g'; \
 	     echo '0}},'; done; echo '{0, 0}};'; } > $@
 
-$(B)/gl/shaders.o: $(B)/gl/shaders.c
+# The text of pages before and after what they show, with style, script and the hashes
+# that allow these two and nothing else
+PAGE := $(addprefix src/cli/page/page.,html css js)
+$(B)/cli/page/text.c: $(PAGE) src/cli/page/page.awk Makefile
+	@mkdir -p $(@D)
+	@LC_ALL=C awk -f src/cli/page/page.awk -v css="$$(sha256sum <src/cli/page/page.css)" \
+	    -v js="$$(sha256sum <src/cli/page/page.js)" src/cli/page/page.html >$@.tmp
+	@mv $@.tmp $@
+
+$(B)/gl/shaders.o $(B)/cli/page/text.o: $(B)/%.o: $(B)/%.c
 	$(compile)
 
 -include $(OBJ:.o=.d)

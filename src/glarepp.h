@@ -1093,9 +1093,9 @@ const struct glarepp_compare_facts *
 glarepp_compare_facts(const struct glarepp_compare *compare);
 
 /* Makes a picture of the window, freed by glarepp_image_end().
- *   pair      -1: FLIP's map in colours of magma, display-linear; else a - b of
- *             that pair, in plane[0], times `scale`, and its magnitude where
- *             `absolute`
+ *   pair      -1: FLIP's map in colours of magma, display-linear; -2: the map, in
+ *             plane[0]; else a - b of that pair, in plane[0], times `scale`, and
+ *             its magnitude where `absolute`
  * Errors: USAGE deep images; no FLIP; BUG. */
 int glarepp_compare_view(const struct glarepp_compare *compare,
     int pair, bool absolute, float scale, struct glarepp_image *out);

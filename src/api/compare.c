@@ -106,15 +106,20 @@ int glarepp_compare_view(const struct glarepp_compare *c, int pair,
     struct gp_planes p = {0};
     gp_status st;
     *out = (struct glarepp_image) GLAREPP_IMAGE;
-    if (pair < -1 || pair >= c->match.pairs || (pair == -1 && !c->map))
-        GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "pair", "comparison: %s (found %d)",
-                          pair == -1 ? "no map of FLIP" : "no such pair", pair));
+    if (pair < -2 || pair >= c->match.pairs || (pair < 0 && !c->map))
+        GP_TRY(gp_fail_at(
+            log, GP_ERR_USAGE, "pair", "comparison: %s (found %d)",
+            pair == -1 || pair == -2 ? "no map of FLIP" : "no such pair",
+            pair));
     if (pair >= 0 && c->match.a->first)
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "pair", "comparison: deep images "
                           "have no pictures (found pair %d)", pair));
     if (pair == -1) {
         GP_TRY(gp_planes_make(log, "heatmap", pixels, &p));
         gp_compare_heatmap(c->map, pixels, &p);
+    } else if (pair == -2) {
+        GP_TRY(gp_alloc(log, "map", pixels, sizeof(float), &p.c[0]));
+        memcpy(p.c[0], c->map, pixels * sizeof(float));
     } else {
         GP_TRY(gp_alloc(log, c->match.name[pair], pixels, sizeof(float), &p.c[0]));
         gp_compare_subtract(&c->match, pair, absolute, scale, p.c[0]);

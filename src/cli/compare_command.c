@@ -2,6 +2,7 @@
 /* glarepp compare: reads two images, or two sequences part by part, has them
  * compared, and reports: idiff's lines and more, a JSON object, pictures. */
 #include "cli/commands.h"
+#include "cli/compare_page.h"
 #include "cli/words.h"
 #include "core/json.h"
 #include "core/memory.h"
@@ -39,6 +40,7 @@ struct run {
     struct gp_pattern picture[PICTURES]; // of those
     struct gp_frames frames;             // n 0: one pair of plain files
     FILE *json;                          // NULL: not wanted
+    struct gp_compare_pages pages;
     bool full;                           // a line of it could not be written
     int worst;                           // exit status
     int count[GP_COMPARE_FILE + 1];
@@ -335,7 +337,8 @@ out:
 /* True when the figures are printed for readers. */
 static bool prints(const struct run *r)
 {
-    return r->log->level != GP_LEVEL_ERROR && !gp_is_dash(r->s->bench.json);
+    return r->log->level != GP_LEVEL_ERROR && !gp_is_dash(r->s->bench.json) &&
+           !gp_is_dash(r->s->page.html);
 }
 
 /* True when they are printed in full, not in a line for each frame. */
@@ -347,9 +350,10 @@ static bool in_full(const struct run *r)
 
 // -- one part of one pair ----------------------------------------------------
 
-/* Reports r->row, on stdout and in the JSON. */
-static void report_pair(struct run *r, int result, const char *why)
+/* Reports r->row, on stdout, in the JSON and on a page. */
+static gp_status report_pair(struct run *r, int result, const char *why)
 {
+    gp_status st = GP_OK;
     struct row *const row = &r->row;
     row->result = result;
     row->why = why;
@@ -367,6 +371,22 @@ static void report_pair(struct run *r, int result, const char *why)
         print_part(row, &r->s->compare);
     else if (prints(r))
         print_frame(row);
+    if (r->s->page.html) {
+        const struct gp_compare_entry e = {
+            .a = row->a,
+            .b = row->b,
+            .frame = row->frame,
+            .part = row->part,
+            .parts = row->parts,
+            .result = result,
+            .facts = row_json(row, r->frames.n > 0),
+            .image = {row->image[0], row->image[1]},
+            .compare = why ? NULL : row->compare,
+        };
+        st = gp_compare_pages_add(&r->pages, &e);
+        json_decref(e.facts);
+    }
+    return st;
 }
 
 /* Writes a picture of the frame, once. */
@@ -440,11 +460,11 @@ static gp_status compare_images(struct run *r,
         GP_TRY(unwritten ? GP_OK : st);
     }
     if (!f->lit && (p->limits.perceptual || isfinite(p->limits.fail_flip)))
-        report_pair(r, GP_COMPARE_DIFFERENT,
-                    "one has no colour, which --perceptual and --fail-flip "
-                    "need");
+        GP_TRY(report_pair(r, GP_COMPARE_DIFFERENT,
+                           "one has no colour, which --perceptual and "
+                           "--fail-flip need"));
     else
-        report_pair(r, f->result, NULL);
+        GP_TRY(report_pair(r, f->result, NULL));
     if (unwritten && r->row.result < GP_COMPARE_FAILURE)
         st = GP_ERR_IO; // else the difference is the status, as idiff's
 out:
@@ -483,8 +503,8 @@ static gp_status compare_frame(struct run *r, int frame)
         for (int i = 0; i < 2 && !st; i++)
             st = gp_stored_read(r->log, read, &f[i], part, &image[i]);
         if (!st && !image[0].first != !image[1].first)
-            report_pair(r, GP_COMPARE_DIFFERENT,
-                        "one is deep, the other is not");
+            st = report_pair(r, GP_COMPARE_DIFFERENT,
+                             "one is deep, the other is not");
         else if (!st)
             st = compare_images(r, image);
         gp_stored_image_free(&image[0]);
@@ -494,15 +514,17 @@ static gp_status compare_frame(struct run *r, int frame)
         char why[64];
         snprintf(why, sizeof why, "%d parts and %d", f[0].parts, f[1].parts);
         r->row.part = both;
-        report_pair(r, GP_COMPARE_FAILURE, why);
+        st = report_pair(r, GP_COMPARE_FAILURE, why);
     }
     if (!st && !all && in_full(r) && (f[0].parts > 1 || f[1].parts > 1))
         printf("Only compared the first part (of %d and %d, respectively); -a "
                "compares all\n", f[0].parts, f[1].parts);
     if (st && st != GP_ERR_BUG) {
-        report_pair(r, GP_COMPARE_FILE, "a file cannot be read or written");
-        st = GP_OK;
+        st =
+            report_pair(r, GP_COMPARE_FILE, "a file cannot be read or written");
     }
+    if (!st)
+        st = gp_compare_pages_write(&r->pages, frame, false);
     for (int i = 0; i < 2; i++) {
         gp_stored_close(&f[i]);
         free(path[i]);
@@ -519,6 +541,13 @@ static gp_status check_names(const struct run *r)
     struct gp_output_guard c = {.log = r->log, .s = r->s};
     char *name = NULL;
     const int n = gp_max(r->frames.n, 1);
+    for (int i = 0; i < n && r->pages.pattern.len; i++) {
+        name = gp_compare_page_name(&r->pages, r->frames.number[i]);
+        if (!name)
+            GP_TRY(gp_no_memory(r->log, r->s->page.html));
+        GP_TRY(gp_output_guard_add(&c, name, "--html", r->s->page.html, NULL));
+        GP_FREE(name);
+    }
     for (int i = 0; i < 4 * n; i++) { // the pictures of all, then the inputs
         const bool input = i >= 2 * n;
         const struct gp_pattern *const p = input ? &r->in[i % 2]
@@ -582,6 +611,7 @@ static gp_status find_frames(struct run *r)
     }
     if (json && !gp_is_dash(json))
         GP_TRY(gp_file_check(r->log, json, false));
+    GP_TRY(gp_compare_pages_begin(r->log, r->s, r->frames.n, &r->pages));
     GP_TRY(check_names(r));
 out:
     gp_frames_free(&more);
@@ -641,6 +671,7 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
             GP_TRY(gp_no_memory(log, json));
     }
     GP_TRY(gp_flush_stdout(log));
+    GP_TRY(gp_compare_pages_write(&r.pages, 0, true));
     if (json)
         GP_TRY(gp_file_save(log, json, text, size));
 out:
@@ -649,6 +680,7 @@ out:
     free(text);
     free(command);
     gp_frames_free(&r.frames);
+    gp_compare_pages_free(&r.pages);
     *status = st == GP_OK          ? r.worst
               : st == GP_ERR_USAGE ? GP_COMPARE_USAGE
               : st == GP_ERR_BUG   ? (int) st : GP_COMPARE_FILE;

@@ -9,11 +9,12 @@ const struct gp_settings gp_defaults = {
     .command = GP_COMMAND_MAIN,
     .input.read = GP_READ_DEFAULTS,
     .output.write = GP_WRITE_DEFAULTS,
-    .light = {
-        .style = GP_STYLE_USUAL,
-        .sense = GLAREPP_SENSE_PARAMS,
-        .layer = GLAREPP_LAYER_PARAMS,
-    },
+    .light =
+        {
+            .style = GP_STYLE_USUAL,
+            .sense = GLAREPP_SENSE_PARAMS,
+            .layer = GLAREPP_LAYER_PARAMS,
+        },
     .kernel.p = GLAREPP_KERNEL_PARAMS,
     .sun = {.light = GLAREPP_LIGHT, .p = GLAREPP_LIGHT_PARAMS},
     .lens = GLAREPP_LENS_PARAMS,
@@ -22,6 +23,7 @@ const struct gp_settings gp_defaults = {
     .tone.map = GLAREPP_TONE_PARAMS,
     .bench = GP_BENCH_DEFAULTS,
     .sets = GLAREPP_SETS_PARAMS,
+    .page = {.megabytes = 3.0},
     .compare = {.limits = GLAREPP_COMPARE_PARAMS, .scale = 1.0f},
     .run.level = GP_LEVEL_WARN,
 };
@@ -612,6 +614,19 @@ const struct gp_option gp_options[] = {
     OPT(compare.heatmap, .name = "heatmap", COMPARE, .arg = "FILE",
         .aside = true, .help = "Write a picture of FLIP at each pixel: magma, "
         "black 0 to pale yellow 1"),
+
+    OPT(page.html, .name = "html", .group = GP_GROUP_REPORT,
+        .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE, .arg = "FILE",
+        .once = true, .help = "Write a page to look at: the pictures over each "
+        "other, where they differ, and the figures, in one file; compare: of "
+        "all frames, or one for each with a pattern"),
+    OPT(page.index, .name = "html-index", COMPARE, .arg = "FILE", .once = true,
+        .help = "Write a page that lists the pages of --html, which is a "
+        "pattern"),
+    OPT(page.megabytes, .name = "html-size", .group = GP_GROUP_REPORT,
+        .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE | GP_COMMAND_STYLES,
+        .arg = "MB", .lo = 0.1, .hi = 1000, .aside = true, .help = "Make pages "
+        "of up to this size: beyond a region of whole pixels they have averages"),
 
     OPT(words.version, .name = "version", ALL(GENERAL),
         .help = "Print the versions of the program and its libraries"),

@@ -195,6 +195,12 @@ struct gp_compare_settings {
     float scale;                      // times this
 };
 
+/* Pages of glarepp compare, bench and styles. */
+struct gp_page_settings {
+    const char *html, *index; // NULL: not wanted
+    double megabytes;         // of a page, 1e6 bytes each
+};
+
 enum { GP_FRAME_JOBS = 64 }; // most frames in flight
 
 /* Settings of the whole run, and of its words. */
@@ -241,6 +247,7 @@ struct gp_settings {
     struct gp_bench_params bench;      // json: of compare and sets too
     struct glarepp_sets_params sets;   // its size is making's
     struct gp_compare_settings compare;
+    struct gp_page_settings page;
     struct gp_run_settings run;
     struct gp_word_settings words;
     struct gp_keyed *keyed; // owned: `keyeds` options, each once; their

@@ -53,14 +53,13 @@ gp_status gp_text_load(const struct gp_log *log, const char *path, size_t most,
 
 // -- options as words ----------------------------------------------------------
 
-static const char *base_name(const char *path)
+const char *gp_base_name(const char *path)
 {
     const char *const slash = strrchr(path, '/');
     return slash && slash[1] ? slash + 1 : path;
 }
 
-/* Prints the first n bytes of `head`, then `word`, quoted for a shell. */
-static void print_word(FILE *f, const char *head, size_t n, const char *word)
+void gp_word_print(FILE *f, const char *head, size_t n, const char *word)
 {
     static const char plain[] =
         "abcdefghijklmnopqrstuvwxyz"
@@ -128,9 +127,10 @@ static void print_options(FILE *f, const struct gp_settings *s,
             value = s->tone.map.config; // of env, too
         const char *const path = whole || !value ? NULL : path_in(o, value);
         if (path)
-            print_word(f, value, (size_t) (path - value), base_name(path));
+            gp_word_print(f, value, (size_t) (path - value),
+                          gp_base_name(path));
         else if (value)
-            print_word(f, "", 0, value);
+            gp_word_print(f, "", 0, value);
     }
 }
 
@@ -147,7 +147,7 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     fprintf(f, "glarepp%s%s", *word ? " " : "", word);
     print_options(f, s, " ", false);
     for (int i = 0; i < inputs; i++)
-        print_word(f, "", 0, base_name(input[i]));
+        gp_word_print(f, "", 0, gp_base_name(input[i]));
     const bool full = ferror(f);
     // (glibc's fclose() succeeds even when the last block cannot be allocated)
     const bool whole = fclose(f) == 0 && !full && text;
@@ -244,9 +244,8 @@ static gp_status split(const struct gp_log *log, char *text, bool command,
     return GP_OK;
 }
 
-/* Finds the command that made a PNG or EXR. */
-static gp_status read_command(const struct gp_log *log, const char *path,
-                              char **out)
+gp_status gp_words_command(const struct gp_log *log, const char *path,
+                           char **out)
 {
     static const char name[] = "glarepp:command";
     const struct gp_read_params p = GP_READ_DEFAULTS;
@@ -298,7 +297,7 @@ gp_status gp_words_read(const struct gp_log *log, const char *path,
                          strncmp(w->text, "\x76\x2f\x31\x01", 4) == 0;
     if (picture) {
         GP_FREE(w->text);
-        GP_TRY(read_command(log, path, &w->text));
+        GP_TRY(gp_words_command(log, path, &w->text));
     } else if (size > MOST_BYTES || strlen(w->text) < size)
         GP_TRY(gp_fail(
             log, GP_ERR_DATA,

@@ -28,6 +28,18 @@ GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
                                         const char *const *input, int inputs,
                                         char **out);
 
+/* The name of a path without its folders. */
+const char *gp_base_name(const char *path);
+
+/* Prints a blank, then the first n bytes of `head` and `word`, quoted for a shell
+ * as one word. */
+void gp_word_print(FILE *f, const char *head, size_t n, const char *word);
+
+/* Finds the command that made a PNG or EXR: glarepp:command, gp_free() it.
+ * Errors: those of gp_read_frame(); GP_ERR_DATA the file has none. */
+GP_MUST_CHECK gp_status gp_words_command(const struct gp_log *log,
+                                         const char *path, char **out);
+
 /* Writes these options to --save-settings, one a line, quoted for a shell, as
  * they were given; leaves a file that exists with --no-clobber.
  * Errors: GP_ERR_IO. */

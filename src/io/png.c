@@ -443,6 +443,23 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     return GP_OK;
 }
 
+gp_status gp_zlib_pack(const struct gp_log *log, const void *from, size_t n,
+                       int level, void **out, size_t *size)
+{
+    struct libdeflate_compressor *const packer =
+        libdeflate_alloc_compressor(level);
+    gp_status st;
+    *out = NULL;
+    if (!packer)
+        return gp_no_memory_bare(log, "compressor");
+    const size_t room = libdeflate_zlib_compress_bound(packer, n);
+    st = gp_alloc(log, "packed data", room, 1, out);
+    if (!st)
+        *size = libdeflate_zlib_compress(packer, from, n, *out, room);
+    libdeflate_free_compressor(packer);
+    return st;
+}
+
 gp_status gp_png_write(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,
                        const struct gp_frame *frame,
@@ -453,8 +470,8 @@ gp_status gp_png_write(const struct gp_log *log,
     struct gp_picture pic = {0};
     struct filtering f = {.pic = &pic};
     struct target t = {.log = log};
-    struct libdeflate_compressor *packer = NULL;
-    uint8_t *data = NULL;
+    void *data = NULL;
+    size_t size = 0;
     (void) stats;
     const struct tags tags = tags_of(p, frame, kind);
     GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, &pic));
@@ -463,12 +480,7 @@ gp_status gp_png_write(const struct gp_log *log,
     const size_t n = f.stride * (size_t) pic.height;
     GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &f.to));
     GP_TRY(gp_picture_each_row(log, &pic, filter_row, &f));
-    packer = libdeflate_alloc_compressor(LEVEL);
-    if (!packer)
-        GP_TRY(gp_no_memory_bare(log, "PNG compressor"));
-    const size_t room = libdeflate_zlib_compress_bound(packer, n);
-    GP_TRY(gp_alloc(log, "PNG data", room, 1, &data));
-    const size_t size = libdeflate_zlib_compress(packer, f.to, n, data, room);
+    GP_TRY(gp_zlib_pack(log, f.to, n, LEVEL, &data, &size));
     GP_FREE(f.to);
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
     if (p->fsync)
@@ -478,7 +490,6 @@ gp_status gp_png_write(const struct gp_log *log,
     GP_TRY(gp_file_commit(&t.file));
 out:
     gp_file_discard(&t.file);
-    libdeflate_free_compressor(packer);
     gp_free(f.to);
     gp_free(data);
     gp_picture_free(&pic);

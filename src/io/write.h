@@ -208,4 +208,11 @@ bool gp_write_kept(const struct gp_log *log, const struct gp_write_params *p,
 GP_MUST_CHECK gp_status gp_write_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *path);
 
+/* Packs `n` bytes as zlib does, RFC 1950.
+ *   level  1, fast, to 12, small
+ *   out    gp_free(); `size` bytes */
+GP_MUST_CHECK gp_status gp_zlib_pack(const struct gp_log *log, const void *from,
+                                     size_t n, int level, void **out,
+                                     size_t *size);
+
 #endif

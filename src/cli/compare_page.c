@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/compare_page.h"
+
+#include "cli/page/page.h"
+#include "cli/words.h"
+#include "core/json.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "io/file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SHOWN = 4 }; // pairs of a page that have pictures, the worst
+static const double STRIP = 0.25; // of a page of many: thumbnails
+
+/* An entry of a page, and how bad it is. */
+struct gp_kept_entry {
+    json_t *entry; // owned
+    int result;
+    double error; // FLIP, else rel_l2; what cannot be compared is worst
+    int order;
+    bool shown; // has pictures
+};
+
+// -- gates ----------------------------------------------------------------------
+
+static void add_gate(json_t *list, const char *option, double value,
+                     const char *found_in, double found, double limit,
+                     const char *over)
+{
+    char name[48];
+    snprintf(name, sizeof name, isnan(value) ? "--%s" : "--%s %g", option,
+             value);
+    json_array_append_new(
+        list,
+        json_pack("{ss ss so so ss}", "gate", name, "of", found_in, "found",
+                  isfinite(found) ? json_real(found) : json_null(), "limit",
+                  isfinite(limit) ? json_real(limit) : json_null(), "status",
+                  found > limit ? over : "match"));
+}
+
+/* The limits of the command line, as the library judges by them. */
+static json_t *gates_of(const struct glarepp_compare_params *p,
+                        const struct glarepp_compare_facts *f)
+{
+    static const char pixels[] = "pixels over it", max[] = "largest error";
+    static const char failure[] = "failure", warning[] = "warning";
+    const double hundredth = (double) f->pixels / 100.0;
+    const double may =
+        p->allow_failures < 0 ? (double) INFINITY : p->allow_failures;
+    const double fails = fmax(may, (double) p->fail_percent * hundredth);
+    const double warns = fmax(may, (double) p->warn_percent * hundredth);
+    const double none = (double) NAN;
+    json_t *const list = json_array();
+    if (f->seen >= 0)
+        add_gate(list, "perceptual", none, "pixels that an eye sees differ",
+                 (double) f->seen, fails, failure);
+    if (isfinite(p->fail) && f->seen < 0)
+        add_gate(list, "fail", (double) p->fail, pixels, (double) f->failed,
+                 fails, failure);
+    if (isfinite(p->hard_fail) && f->seen < 0)
+        add_gate(list, "hardfail", (double) p->hard_fail, max, f->max,
+                 (double) p->hard_fail, failure);
+    if (isfinite(p->fail_rel))
+        add_gate(list, "fail-rel", (double) p->fail_rel, "rel_l2", f->rel_l2,
+                 (double) p->fail_rel, failure);
+    if (isfinite(p->fail_flip))
+        add_gate(list, "fail-flip", (double) p->fail_flip, "mean FLIP",
+                 f->has_flip ? f->flip : none, (double) p->fail_flip, failure);
+    if (isfinite(p->warn) && f->seen < 0)
+        add_gate(list, "warn", (double) p->warn, pixels, (double) f->warned,
+                 warns, warning);
+    if (isfinite(p->hard_warn) && f->seen < 0)
+        add_gate(list, "hardwarn", (double) p->hard_warn, max, f->max,
+                 (double) p->hard_warn, warning);
+    return list;
+}
+
+// -- pictures --------------------------------------------------------------------
+
+/* A file as the page names it, and the command that made it. */
+static json_t *about(const char *name, const char *path)
+{
+    char ending[8], *command = NULL;
+    gp_file_ending(path, ending, sizeof ending);
+    const bool may = strcmp(ending, "exr") == 0 || strcmp(ending, "png") == 0;
+    if (may && gp_file_exists(path) && gp_words_command(NULL, path, &command))
+        command = NULL;
+    json_t *const o =
+        json_pack("{ss so so*}", "name", name, "file", gp_json_name(path),
+                  "command", command ? gp_json_name(command) : NULL);
+    gp_free(command);
+    return o;
+}
+
+/* The colour of file k; without one in both the first channel of floats, in
+ * grey. False: there is none. */
+static bool find_light(const struct gp_compare_entry *e, int k,
+                       struct gp_page_light *out, const char **channel)
+{
+    const struct glarepp_compare_facts *const f =
+        glarepp_compare_facts(e->compare);
+    const struct gp_stored_image *const m = e->image[k];
+    *out = (struct gp_page_light) {.data = m->data, .luminance = m->luminance};
+    *channel = NULL;
+    for (int c = 0; c < 3 && f->lit; c++)
+        out->c[c] = m->light[c];
+    for (int i = 0; i < f->pairs && !f->lit && !*channel; i++) {
+        const int at[2] = {f->in_a[i], f->in_b[i]};
+        bool whole = false;
+        for (int j = 0; j < 2; j++)
+            whole |= at[j] >= 0 && e->image[j]->channel[at[j]].is_uint;
+        if (whole)
+            continue;
+        *channel = f->pair[i];
+        if (at[k] < 0)
+            out->data = (struct gp_rect) {0, 0, 0, 0};
+        for (int c = 0; c < 3 && at[k] >= 0; c++)
+            out->c[c] = m->channel[at[k]].v;
+    }
+    return f->lit || *channel;
+}
+
+static gp_status make_set(const struct gp_log *log,
+                          const struct gp_compare_entry *e, const char **grey,
+                          struct gp_page_set *s)
+{
+    const struct glarepp_compare_facts *const f =
+        glarepp_compare_facts(e->compare);
+    const struct glarepp_rect w = f->window;
+    struct gp_page_light light[2];
+    struct glarepp_image map = GLAREPP_IMAGE;
+    gp_status st = GP_OK;
+    for (int k = 0; k < 2; k++) {
+        if (!find_light(e, k, &light[k], grey))
+            return GP_OK;
+    }
+    s->window = (struct gp_rect) {w.x0, w.y0, w.x1, w.y1};
+    if (f->has_flip)
+        GP_TRY(glarepp_compare_view(e->compare, -2, false, 1.0f, &map));
+    GP_TRY(gp_page_set_add(log, s, about("A", e->a), &light[0], NULL, NULL));
+    GP_TRY(gp_page_set_add(log, s, about("B", e->b), &light[1], &light[0],
+                           map.plane[0]));
+out:
+    glarepp_image_end(&map);
+    return st;
+}
+
+// -- entries ----------------------------------------------------------------------
+
+static void add_note(json_t *list, const char *before, const char *name,
+                     const char *after)
+{
+    char text[512];
+    snprintf(text, sizeof text, "%s%s%s", before, name, after);
+    json_array_append_new(list, gp_json_name(text));
+}
+
+/* The channels, and those that only one file has. */
+static void list_channels(const struct glarepp_compare_facts *f, json_t *entry)
+{
+    json_t *const channels = json_array(), *const notes =
+                                               json_object_get(entry, "notes");
+    for (int i = 0; i < f->pairs; i++) {
+        json_array_append_new(channels, gp_json_name(f->pair[i]));
+        if (f->in_a[i] < 0 || f->in_b[i] < 0)
+            add_note(notes, "channel ", f->pair[i],
+                     f->in_a[i] < 0 ? " is only in B: 0 in A"
+                                    : " is only in A: 0 in B");
+    }
+    json_object_set_new(entry, "channels", channels);
+}
+
+static json_t *make_entry(const struct gp_compare_pages *p,
+                          const struct gp_compare_entry *e)
+{
+    char label[48];
+    const int n = p->sequence ? snprintf(label, sizeof label, "%d", e->frame)
+                              : snprintf(label, sizeof label, "%s", "");
+    if (e->parts > 1)
+        snprintf(label + n, sizeof label - (size_t) n, "%spart %d",
+                 n ? ", " : "", e->part);
+    json_t *const o = json_pack("{ss sO so}", "label", label, "facts", e->facts,
+                                "notes", json_array());
+    if (!e->compare)
+        return o;
+    const struct glarepp_compare_facts *const f =
+        glarepp_compare_facts(e->compare);
+    const struct gp_rect a = e->image[0]->data, b = e->image[1]->data;
+    json_object_set_new(o, "gates", gates_of(&p->s->compare.limits, f));
+    list_channels(f, o);
+    if (memcmp(&a, &b, sizeof a) != 0) {
+        char text[160];
+        snprintf(text, sizeof text,
+                 "the data windows differ: %dx%d at (%d, %d) "
+                 "and %dx%d at (%d, %d); 0 outside",
+                 gp_rect_w(a), gp_rect_h(a), a.x0, a.y0, gp_rect_w(b),
+                 gp_rect_h(b), b.x0, b.y0);
+        add_note(json_object_get(o, "notes"), "", text, "");
+    }
+    return o;
+}
+
+/* Adds pictures to an entry, in `bytes`, and a thumbnail, where `side` is not 0. */
+static gp_status show(const struct gp_compare_pages *p,
+                      const struct gp_compare_entry *e, bool whole,
+                      size_t bytes, int side, json_t *entry)
+{
+    json_t *const notes = json_object_get(entry, "notes");
+    struct gp_page_set set = {.n = 0};
+    const char *grey = NULL;
+    json_t *packed = NULL;
+    gp_status st = GP_OK;
+    if (e->image[0]->first)
+        add_note(notes, "deep pixels have figures, but no picture", "", "");
+    else
+        GP_TRY(make_set(p->log, e, &grey, &set));
+    if (grey)
+        add_note(notes, "no colour in both: shown is channel ", grey, "");
+    else if (!set.n)
+        add_note(notes, "no channel of floats to show", "", "");
+    if (set.n && side) {
+        GP_TRY(gp_page_thumb(p->log, &set, 1, side, &packed));
+        json_object_set_new(entry, "thumb", packed);
+    }
+    if (set.n && whole) {
+        GP_TRY(gp_page_pack(p->log, &set, bytes, &packed));
+        json_object_set_new(entry, "set", packed);
+    }
+out:
+    gp_page_set_free(&set);
+    return st;
+}
+
+static int by_error(const void *a, const void *b)
+{
+    const struct gp_kept_entry *const x = a, *const y = b;
+    return x->result != y->result ? y->result - x->result
+           : x->error != y->error
+               ? (y->error > x->error) - (y->error < x->error)
+               : x->order - y->order;
+}
+
+/* Makes room for pictures of a new entry; false where it is not bad enough. */
+static bool may_show(struct gp_compare_pages *p,
+                     const struct gp_kept_entry *new)
+{
+    struct gp_kept_entry *least = NULL;
+    int shown = 0;
+    for (int i = 0; i < p->n; i++) {
+        struct gp_kept_entry *const k = &p->kept[i];
+        shown += k->shown;
+        if (k->shown && (!least || by_error(k, least) > 0))
+            least = k;
+    }
+    if (shown < SHOWN)
+        return true;
+    if (by_error(new, least) > 0)
+        return false;
+    json_object_del(least->entry, "set");
+    least->shown = false;
+    return true;
+}
+
+gp_status gp_compare_pages_add(struct gp_compare_pages *p,
+                               const struct gp_compare_entry *e)
+{
+    const bool several = p->sequence || e->parts > 1;
+    const int pairs = (p->pattern.len ? 1 : p->pairs) * gp_max(e->parts, 1);
+    const double room = (double) gp_page_room(p->s, pairs);
+    const double strip = several ? STRIP * room : 0.0;
+    // (a pixel of a thumbnail takes about 3 bytes of text, of 16 x 9)
+    const int side =
+        several ? gp_clamp_whole(sqrt(strip / pairs / 1.7), 16, 160) : 0;
+    const struct glarepp_compare_facts *const f =
+        e->compare ? glarepp_compare_facts(e->compare) : NULL;
+    struct gp_kept_entry new = {
+        make_entry(p, e),
+        e->result,
+        !f            ? (double) INFINITY
+        : f->has_flip ? f->flip
+                      : f->rel_l2,
+        p->n,
+        false,
+    };
+    char *path = NULL;
+    void *block = p->kept;
+    gp_status st = new.entry ? GP_OK : gp_no_memory(p->log, p->s->page.html);
+    GP_TRY(st);
+    if (!p->page) {
+        char title[512];
+        path = gp_compare_page_name(p, e->frame);
+        if (!path)
+            GP_TRY(gp_no_memory(p->log, e->b));
+        snprintf(title, sizeof title, "%s and %s",
+                 gp_base_name(p->s->input.files.at[0]),
+                 gp_base_name(p->s->input.files.at[1]));
+        GP_TRY(gp_page_make(p->log, p->s, "compare", title, "--html",
+                            p->s->page.html, &p->page));
+        if (p->s->page.index && !p->index)
+            GP_TRY(gp_page_make(p->log, p->s, "index", title, "--html-index",
+                                p->s->page.index, &p->index));
+    }
+    new.shown = f &&may_show(p, &new);
+    if (f)
+        GP_TRY(show(p, e, new.shown,
+                    (size_t) ((room - strip) / gp_min(pairs, SHOWN)), side,
+                    new.entry));
+    GP_TRY(gp_resize(p->log, "page", (size_t) (p->n + 1) * sizeof *p->kept,
+                     &block));
+    p->kept = block;
+    p->kept[p->n++] = new;
+    new.entry = NULL;
+out:
+    json_decref(new.entry);
+    free(path);
+    return st;
+}
+
+// -- pages ------------------------------------------------------------------------
+
+char *gp_compare_page_name(const struct gp_compare_pages *p, int frame)
+{
+    return p->pattern.len ? gp_pattern_name(&p->pattern, frame, NULL)
+                          : strdup(p->s->page.html);
+}
+
+gp_status gp_compare_pages_begin(const struct gp_log *log,
+                                 const struct gp_settings *s, int frames,
+                                 struct gp_compare_pages *out)
+{
+    const char *const html = s->page.html, *const index = s->page.index;
+    const char *const files[] = {html, index};
+    gp_status st = GP_OK;
+    *out = (struct gp_compare_pages) {
+        .log = log,
+        .s = s,
+        .sequence = frames > 0,
+        .pairs = gp_max(frames, 1),
+    };
+    if (html && frames > 0)
+        GP_TRY(gp_pattern_find(log, html, &out->pattern));
+    if (index && !out->pattern.len)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "%s: an index needs a page for each "
+                       "frame (found %s); give --html a pattern, e.g. "
+                       "page.####.html",
+                       index, html ? html : "no --html"));
+    for (int i = 0; i < 2; i++) {
+        if (files[i] && !gp_is_dash(files[i]))
+            GP_TRY(gp_file_check(log, files[i], false));
+    }
+out:
+    return st;
+}
+
+/* Moves the kept entries to a page, the worst first, and writes it. */
+static gp_status write_page(struct gp_compare_pages *p, const char *path)
+{
+    json_t *const page = p->page, *const list =
+                                      json_object_get(page, "entries");
+    if (p->n)
+        qsort(p->kept, (size_t) p->n, sizeof *p->kept, by_error);
+    for (int i = 0; i < p->n; i++)
+        json_array_append_new(list, p->kept[i].entry);
+    p->page = NULL;
+    p->n = 0;
+    return gp_page_save(p->log, path, page);
+}
+
+/* Lists the entries of a page in the index, without their pictures. */
+static void list_page(struct gp_compare_pages *p, const char *path)
+{
+    json_t *const list = json_object_get(p->index, "entries");
+    for (int i = 0; i < p->n; i++) {
+        json_t *const copy = json_copy(p->kept[i].entry);
+        json_object_del(copy, "set");
+        json_object_set_new(copy, "href", gp_json_name(path));
+        json_array_append_new(list, copy);
+    }
+}
+
+gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
+                                 bool last)
+{
+    char *path = NULL;
+    gp_status st = GP_OK;
+    if (p->page && (p->pattern.len != 0) != last) {
+        path = gp_compare_page_name(p, frame);
+        if (!path)
+            GP_TRY(gp_no_memory(p->log, p->s->page.html));
+        if (p->index)
+            list_page(p, gp_base_name(path));
+        GP_TRY(write_page(p, path));
+    }
+    if (last && p->index) {
+        json_t *const index = p->index;
+        p->index = NULL;
+        st = gp_page_save(p->log, p->s->page.index, index);
+    }
+out:
+    free(path);
+    return st;
+}
+
+void gp_compare_pages_free(struct gp_compare_pages *p)
+{
+    for (int i = 0; i < p->n; i++)
+        json_decref(p->kept[i].entry);
+    gp_free(p->kept);
+    json_decref(p->page);
+    json_decref(p->index);
+    *p = (struct gp_compare_pages) {0};
+}

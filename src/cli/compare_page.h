@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+/* The pages of glarepp compare: one of all pairs, the worst first, or one for each
+ * frame and an index of them. */
+#ifndef GP_CLI_COMPARE_PAGE_H
+#define GP_CLI_COMPARE_PAGE_H
+
+#include "cli/options.h"
+#include "io/sequence.h"
+
+#include <jansson.h>
+
+/* A part of a pair and what was found; all is borrowed, but for `facts`, whose
+ * reference is taken. */
+struct gp_compare_entry {
+    const char *a, *b; // files
+    int frame;         // of a sequence
+    int part, parts;
+    int result;    // exit status
+    json_t *facts; // as in --json
+    const struct gp_stored_image *image[2];
+    const struct glarepp_compare *compare; // NULL: there are no pictures
+};
+
+/* A run's pages. Zeroed is none. */
+struct gp_compare_pages {
+    const struct gp_log *log;
+    const struct gp_settings *s;
+    struct gp_pattern pattern; // of pages; .len 0: there is one
+    bool sequence;
+    int pairs;                  // that there will be
+    json_t *page, *index;       // present ones; NULL: none
+    struct gp_kept_entry *kept; // of page; owned
+    int n;
+};
+
+/* Begins, before any work; does nothing without --html.
+ *   frames  0: one pair of plain files
+ * Errors: GP_ERR_USAGE --html-index without a page for each frame; GP_ERR_IO a
+ * page cannot be written. */
+GP_MUST_CHECK gp_status gp_compare_pages_begin(const struct gp_log *log,
+                                               const struct gp_settings *s,
+                                               int frames,
+                                               struct gp_compare_pages *out);
+
+/* Returns the name of a frame's page, from malloc; of one for all, its own. */
+char *gp_compare_page_name(const struct gp_compare_pages *p, int frame);
+
+GP_MUST_CHECK gp_status gp_compare_pages_add(struct gp_compare_pages *p,
+                                             const struct gp_compare_entry *e);
+
+/* Writes the page that ends with a frame; with `last` that of all, or the index. */
+GP_MUST_CHECK gp_status gp_compare_pages_write(struct gp_compare_pages *p,
+                                               int frame, bool last);
+void gp_compare_pages_free(struct gp_compare_pages *p);
+
+#endif

@@ -1,0 +1,580 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Pictures as text. A plane of halfs is coded as deflate likes it, without loss:
+ *
+ * 1. codes are the halfs' bits; green, red - green, blue - green: noise of a grey
+ *    surface is one noise, and a difference of bits is nearly one of logarithms
+ * 2. minus those of the first picture, where that is shorter
+ * 3. minus what three neighbours say (MED: Weinberger, Seroussi, Sapiro, "LOCO-I",
+ *    1996), sign at the low end
+ * 4. high bytes of all, then low bytes; zlib; base64
+ *
+ * page.js undoes it. Sums are modulo 2^16. */
+#include "cli/page/page.h"
+
+#include "core/colour.h"
+#include "core/half.h"
+#include "core/maths.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "io/write.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = 16, FAST = 1, SMALL = 9 }; // pixels of scores; levels of zlib
+
+/* The samples of a page: averages of scale x scale pixels, and a region of single
+ * ones (empty: none), from the window's corner. */
+struct plan {
+    int scale, w, h; // squares
+    struct gp_rect region;
+    size_t n; // squares, then pixels of the region
+    bool delta[GP_PAGE_PICTURES];
+};
+
+static struct plan plan_of(const struct gp_page_set *s, int scale)
+{
+    struct plan p = {
+        .scale = scale,
+        .w = (gp_rect_w(s->window) + scale - 1) / scale,
+        .h = (gp_rect_h(s->window) + scale - 1) / scale,
+    };
+    p.n = (size_t) p.w * (size_t) p.h;
+    return p;
+}
+
+void gp_page_set_free(struct gp_page_set *s)
+{
+    for (int i = 0; i < s->n; i++) {
+        struct gp_page_picture *const p = &s->picture[i];
+        json_decref(p->about);
+        for (int c = 0; c < 3; c++)
+            gp_free(p->half[c]);
+        gp_free(p->relative);
+        gp_free(p->flip);
+    }
+    *s = (struct gp_page_set) {0};
+}
+
+// -- a picture as halfs ----------------------------------------------------------
+
+/* Row y of a plane in the window: `row` of floats, 0 outside. */
+static void read_row(const struct gp_page_light *l, int c,
+                     struct gp_rect window, int y, float *row)
+{
+    const struct gp_rect in = gp_rect_meet(l->data, window);
+    memset(row, 0, (size_t) gp_rect_w(window) * sizeof *row);
+    if (y < in.y0 || y >= in.y1 || gp_rect_empty(in))
+        return;
+    const size_t at = (size_t) (y - l->data.y0) * (size_t) gp_rect_w(l->data) +
+                      (size_t) (in.x0 - l->data.x0);
+    memcpy(row + (in.x0 - window.x0), l->c[c] + at,
+           (size_t) gp_rect_w(in) * sizeof *row);
+}
+
+static void read_luminance(const struct gp_page_light *l, struct gp_rect window,
+                           int y, float *row, float *sum)
+{
+    static const float bt709[3] = {0.2126f, 0.7152f, 0.0722f};
+    const float *const weight = l->luminance ? l->luminance : bt709;
+    const size_t w = (size_t) gp_rect_w(window);
+    memset(sum, 0, w * sizeof *sum);
+    for (int c = 0; c < 3; c++) {
+        read_row(l, c, window, y, row);
+        for (size_t x = 0; x < w; x++)
+            sum[x] += weight[c] * row[x];
+    }
+}
+
+/* 0; or 1 to 255 for an error of 1e-9 to 100, in equal steps of its logarithm;
+ * NaN and Inf are 255. page.js has the same constants. */
+static uint8_t code_of(double e)
+{
+    const double step = 11.0 * M_LN10 / 254.0;
+    return e == 0.0 ? 0
+           : !(e < 100.)
+               ? 255
+               : (uint8_t) (1 + gp_clamp_whole(rint((gp_log(fmax(e, 1e-9)) +
+                                                     9.0 * M_LN10) /
+                                                    step),
+                                               0, 254));
+}
+
+/* The relative error at each pixel: |dY| over Y of a and 1e-6 of its maximum. */
+static void find_relative(const struct gp_page_light *a,
+                          const struct gp_page_light *b, struct gp_rect window,
+                          float *row, uint8_t *to)
+{
+    const int w = gp_rect_w(window);
+    float *const ya = row + w, *const yb = ya + w;
+    double most = 0.0;
+    for (int y = window.y0; y < window.y1; y++) {
+        read_luminance(a, window, y, row, ya);
+        for (int x = 0; x < w; x++)
+            most = isfinite(ya[x]) ? fmax(most, (double) ya[x]) : most;
+    }
+    for (int y = window.y0; y < window.y1; y++, to += w) {
+        read_luminance(a, window, y, row, ya);
+        read_luminance(b, window, y, row, yb);
+        for (int x = 0; x < w; x++) {
+            const double d = fabs((double) yb[x] - (double) ya[x]);
+            const bool same = (isnan(ya[x]) && isnan(yb[x])) || ya[x] == yb[x];
+            to[x] =
+                code_of(same ? 0.0 : d / (fabs((double) ya[x]) + 1e-6 * most));
+        }
+    }
+}
+
+/* Rounds a plane to halfs; counts what that changes: values that a half cannot
+ * hold, and those that are no number. */
+static void round_plane(const struct gp_page_light *l, int c,
+                        struct gp_rect window, float *row, uint16_t *to,
+                        json_int_t count[3])
+{
+    const int w = gp_rect_w(window);
+    float *const back = row + w;
+    for (int y = window.y0; y < window.y1; y++, to += w) {
+        read_row(l, c, window, y, row);
+        count[1] += (json_int_t) gp_float_to_half(row, to, (size_t) w);
+        gp_half_to_float(to, back, (size_t) w);
+        for (int x = 0; x < w; x++) {
+            count[0] += row[x] != back[x] && !isnan(row[x]);
+            count[2] += !isfinite(row[x]);
+        }
+    }
+}
+
+/* Sums of halfs by half stops: bits 9 and up of positive ones. */
+static json_t *histogram_of(const uint16_t *half, size_t n)
+{
+    long long bin[64] = {0};
+    json_t *const list = json_array();
+    for (size_t i = 0; i < n; i++) {
+        if (half[i] < 0x7c00)
+            bin[half[i] >> 9]++;
+    }
+    for (int i = 0; i < 62; i++)
+        json_array_append_new(list, json_integer(bin[i]));
+    return list;
+}
+
+gp_status gp_page_set_add(const struct gp_log *log, struct gp_page_set *s,
+                          json_t *about, const struct gp_page_light *light,
+                          const struct gp_page_light *base, const float *flip)
+{
+    struct gp_page_picture *const p = &s->picture[s->n++];
+    const size_t w = (size_t) gp_rect_w(s->window);
+    const size_t n = w * (size_t) gp_rect_h(s->window);
+    json_int_t count[3] = {0};
+    json_t *const bins = json_array();
+    float *row = NULL;
+    gp_status st;
+    *p = (struct gp_page_picture) {.about = about};
+    GP_TRY(gp_alloc(log, "page rows", w, 3 * sizeof *row, &row));
+    for (int c = 0; c < 3; c++) {
+        GP_TRY(gp_alloc(log, "page", n, sizeof *p->half[c], &p->half[c]));
+        round_plane(light, c, s->window, row, p->half[c], count);
+        json_array_append_new(bins, histogram_of(p->half[c], n));
+    }
+    if (base) {
+        GP_TRY(gp_alloc(log, "page", n, 1, &p->relative));
+        find_relative(base, light, s->window, row, p->relative);
+    }
+    if (flip)
+        GP_TRY(gp_alloc(log, "page", n, 1, &p->flip));
+    for (size_t i = 0; i < n && flip; i++)
+        p->flip[i] = (uint8_t) lrintf(255.0f * gp_clamp01(flip[i]));
+    json_object_set(about, "histogram", bins);
+    json_object_set_new(about, "rounded", json_integer(count[0]));
+    json_object_set_new(about, "clamped", json_integer(count[1]));
+    json_object_set_new(about, "odd", json_integer(count[2]));
+out:
+    json_decref(bins);
+    gp_free(row);
+    return st;
+}
+
+// -- averages -------------------------------------------------------------------
+
+/* Copies the region of a plane of bytes or halfs after the averages. */
+static void copy_region(const struct gp_page_set *s, const struct plan *p,
+                        const void *from, size_t size, void *to)
+{
+    const struct gp_rect r = p->region;
+    const size_t w = (size_t) gp_rect_w(s->window), row = (size_t) gp_rect_w(r);
+    char *out = (char *) to + (size_t) p->w * (size_t) p->h * size;
+    for (int y = r.y0; y < r.y1; y++, out += row * size)
+        memcpy(out,
+               (const char *) from + ((size_t) y * w + (size_t) r.x0) * size,
+               row * size);
+}
+
+/* The means of a plane's squares; `sum` holds four rows of the window. */
+static void average(const struct gp_page_set *s, const struct plan *p,
+                    const uint16_t *half, float *sum, uint16_t *to)
+{
+    const int w = gp_rect_w(s->window), h = gp_rect_h(s->window);
+    float *const row = sum + w;
+    for (int j = 0; j < p->h; j++, to += p->w) {
+        const int from = j * p->scale, end = gp_min(h, from + p->scale);
+        memset(sum, 0, (size_t) p->w * sizeof *sum);
+        for (int y = from; y < end; y++) {
+            gp_half_to_float(half + (size_t) y * (size_t) w, row, (size_t) w);
+            for (int x = 0; x < w; x++)
+                sum[x / p->scale] += row[x];
+        }
+        for (int i = 0; i < p->w; i++)
+            sum[i] /=
+                (float) ((end - from) * gp_min(p->scale, w - i * p->scale));
+        (void) gp_float_to_half(sum, to, (size_t) p->w);
+    }
+}
+
+/* The most of squares of a map of errors: no average hides one. */
+static void take_most(const struct gp_page_set *s, const struct plan *p,
+                      const uint8_t *map, uint8_t *to)
+{
+    const int w = gp_rect_w(s->window), h = gp_rect_h(s->window);
+    memset(to, 0, (size_t) p->w * (size_t) p->h);
+    for (int y = 0; y < h; y++) {
+        uint8_t *const row = to + (size_t) (y / p->scale) * (size_t) p->w;
+        for (int x = 0; x < w; x++, map++)
+            row[x / p->scale] = (uint8_t) gp_max(row[x / p->scale], *map);
+    }
+}
+
+// -- codes ----------------------------------------------------------------------
+
+/* Memory for the coding of one picture at a time. */
+struct coder {
+    const struct gp_log *log;
+    const struct gp_page_set *s;
+    const struct plan *p;
+    float *row;             // two of the window
+    uint16_t *base, *plane; // three planes of codes each: of the first picture,
+                            // of the present one
+    uint16_t *left;         // a plane that differs from its base
+    uint8_t *out;           // what zlib gets
+};
+
+static void end_coder(struct coder *k)
+{
+    gp_free(k->row);
+    gp_free(k->base);
+    gp_free(k->plane);
+    gp_free(k->left);
+    gp_free(k->out);
+}
+
+static gp_status begin_coder(const struct gp_log *log,
+                             const struct gp_page_set *s, const struct plan *p,
+                             struct coder *k)
+{
+    gp_status st;
+    *k = (struct coder) {.log = log, .s = s, .p = p};
+    GP_TRY(gp_alloc(log, "page", (size_t) gp_rect_w(s->window),
+                    2 * sizeof *k->row, &k->row));
+    GP_TRY(gp_alloc(log, "page", p->n, 6, &k->base));
+    GP_TRY(gp_alloc(log, "page", p->n, 6, &k->plane));
+    GP_TRY(gp_alloc(log, "page", p->n, 2, &k->left));
+    GP_TRY(gp_alloc(log, "page", p->n, 6, &k->out));
+out:
+    return st;
+}
+
+/* The codes of a picture, three planes. */
+static void make_codes(const struct coder *k, int i, uint16_t *to)
+{
+    static const int order[3] = {1, 0, 2}; // green first
+    const size_t n = k->p->n;
+    for (int c = 0; c < 3; c++) {
+        const uint16_t *const half = k->s->picture[i].half[order[c]];
+        average(k->s, k->p, half, k->row, to + n * (size_t) c);
+        copy_region(k->s, k->p, half, sizeof *half, to + n * (size_t) c);
+        for (size_t at = 0; at < n && c; at++)
+            to[n * (size_t) c + at] =
+                (uint16_t) (to[n * (size_t) c + at] - to[at]);
+    }
+}
+
+/* What MED leaves of a w x h block, as bytes. */
+static void predict(const uint16_t *v, int w, int h, uint8_t *high,
+                    uint8_t *low)
+{
+    for (int y = 0; y < h; y++) {
+        for (int x = 0; x < w; x++) {
+            const size_t at = (size_t) y * (size_t) w + (size_t) x;
+            const size_t up = at - (size_t) w;
+            const int l = x ? (int16_t) v[at - 1] : y ? (int16_t) v[up] : 0;
+            const int u = y ? (int16_t) v[up] : l;
+            const int lu = x && y ? (int16_t) v[up - 1] : l;
+            const int least = gp_min(l, u), most = gp_max(l, u);
+            const int guess = lu >= most    ? least
+                              : lu <= least ? most
+                                            : l + u - lu;
+            const int16_t d = (int16_t) (uint16_t) (v[at] - (unsigned) guess);
+            const unsigned code =
+                d < 0 ? ~((unsigned) d << 1) : (unsigned) d << 1;
+            high[at] = (uint8_t) (code >> 8);
+            low[at] = (uint8_t) code;
+        }
+    }
+}
+
+/* Packs the codes of a picture, or what they are more than those of the first. */
+static gp_status pack_codes(struct coder *k, bool delta, int level, void **out,
+                            size_t *size)
+{
+    const struct plan *const p = k->p;
+    const size_t squares = (size_t) p->w * (size_t) p->h;
+    for (int c = 0; c < 3; c++) {
+        const uint16_t *const v = k->plane + p->n * (size_t) c;
+        const uint16_t *const base = k->base + p->n * (size_t) c;
+        uint8_t *const high = k->out + 2 * p->n * (size_t) c;
+        uint8_t *const low = high + p->n;
+        for (size_t i = 0; i < p->n && delta; i++)
+            k->left[i] = (uint16_t) (v[i] - base[i]);
+        const uint16_t *const from = delta ? k->left : v;
+        predict(from, p->w, p->h, high, low);
+        predict(from + squares, gp_rect_w(p->region), gp_rect_h(p->region),
+                high + squares, low + squares);
+    }
+    return gp_zlib_pack(k->log, k->out, 6 * p->n, level, out, size);
+}
+
+static json_t *base64(const uint8_t *from, size_t n)
+{
+    static const char digit[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const size_t size = (n + 2) / 3 * 4;
+    char *const text = malloc(size + 1);
+    for (size_t i = 0, to = 0; text && i < n; i += 3, to += 4) {
+        const unsigned v = (unsigned) from[i] << 16 |
+                           (i + 1 < n ? (unsigned) from[i + 1] << 8 : 0) |
+                           (i + 2 < n ? from[i + 2] : 0);
+        for (size_t k = 0; k < 4; k++)
+            text[to + k] = i + k > n ? '=' : digit[v >> (18 - 6 * k) & 63];
+    }
+    json_t *const string = text ? json_stringn_nocheck(text, size) : NULL;
+    free(text);
+    return string;
+}
+
+/* Adds the length of packed bytes in base64; sets them as `key` of `to`, if that is
+ * one; frees them. */
+static void take(void *bytes, size_t n, json_t *to, const char *key,
+                 size_t *total)
+{
+    *total += (n + 2) / 3 * 4;
+    if (to)
+        json_object_set_new(to, key, base64(bytes, n));
+    gp_free(bytes);
+}
+
+static gp_status pack_map(struct coder *k, const uint8_t *map, int level,
+                          json_t *to, const char *key, size_t *total)
+{
+    void *bytes;
+    size_t n;
+    if (!map)
+        return GP_OK;
+    take_most(k->s, k->p, map, k->out);
+    copy_region(k->s, k->p, map, 1, k->out);
+    const gp_status st =
+        gp_zlib_pack(k->log, k->out, k->p->n, level, &bytes, &n);
+    if (!st)
+        take(bytes, n, to, key, total);
+    return st;
+}
+
+/* Packs all pictures by a plan, into `list` where that is one; *total is the
+ * length of their text. `tries`: finds first which are shorter as differences. */
+static gp_status pack_all(const struct gp_log *log, const struct gp_page_set *s,
+                          struct plan *p, bool tries, json_t *list,
+                          size_t *total)
+{
+    const int level = list ? SMALL : FAST;
+    struct coder k;
+    gp_status st;
+    *total = 0;
+    GP_TRY(begin_coder(log, s, p, &k));
+    for (int i = 0; i < s->n; i++) {
+        const struct gp_page_picture *const picture = &s->picture[i];
+        void *bytes[2] = {NULL, NULL};
+        size_t n[2] = {0, 0};
+        make_codes(&k, i, i ? k.plane : k.base);
+        if (!i)
+            memcpy(k.plane, k.base, 6 * p->n);
+        for (int d = 0; d < 2 && !st; d++) {
+            if (d == p->delta[i] || (tries && i))
+                st = pack_codes(&k, d == 1, level, &bytes[d], &n[d]);
+        }
+        if (tries && i)
+            p->delta[i] = n[1] < n[0];
+        const int d = p->delta[i];
+        gp_free(bytes[!d]);
+        GP_TRY(st);
+        json_t *const to = list ? picture->about : NULL;
+        take(bytes[d], n[d], to, "rgb", total);
+        if (to)
+            json_object_set_new(to, "delta", json_boolean(d));
+        GP_TRY(pack_map(&k, picture->relative, level, to, "relative", total));
+        GP_TRY(pack_map(&k, picture->flip, level, to, "flip", total));
+        if (list)
+            json_array_append(list, to);
+    }
+out:
+    end_coder(&k);
+    return st;
+}
+
+// -- a plan that fits --------------------------------------------------------------
+
+/* Differences of codes of green, by blocks: sums over all blocks before. */
+static gp_status sum_scores(const struct gp_log *log,
+                            const struct gp_page_set *s, int bw, int bh,
+                            uint64_t **out)
+{
+    const size_t w = (size_t) gp_rect_w(s->window), row = (size_t) bw + 1;
+    const size_t h = (size_t) gp_rect_h(s->window);
+    const gp_status st =
+        gp_alloc_zero(log, "page", row * ((size_t) bh + 1), sizeof **out, out);
+    if (st)
+        return st;
+    uint64_t *const sum = *out;
+    for (int i = 1; i < s->n; i++) {
+        const uint16_t *const a = s->picture[0].half[1];
+        const uint16_t *const b = s->picture[i].half[1];
+        for (size_t at = 0; at < w * h; at++)
+            sum[(at / w / BLOCK + 1) * row + at % w / BLOCK + 1] +=
+                (uint64_t) abs((int16_t) a[at] - (int16_t) b[at]);
+    }
+    for (size_t y = 1; y <= (size_t) bh; y++) {
+        for (size_t x = 1; x <= (size_t) bw; x++)
+            sum[y * row + x] += sum[(y - 1) * row + x] + sum[y * row + x - 1] -
+                                sum[(y - 1) * row + x - 1];
+    }
+    return GP_OK;
+}
+
+/* A region of about `pixels`, as wide as the picture is, where the scores are
+ * largest; the middle where they are all equal. */
+static struct gp_rect find_region(const struct gp_page_set *s,
+                                  const uint64_t *sum, int bw, int bh,
+                                  double pixels)
+{
+    const double w = gp_rect_w(s->window), h = gp_rect_h(s->window);
+    const int rh = gp_clamp_whole(sqrt(pixels * h / w) / BLOCK, 1, bh);
+    const int rw = gp_clamp_whole(pixels / (rh * BLOCK * BLOCK), 1, bw);
+    const size_t row = (size_t) bw + 1;
+    uint64_t most = 0;
+    int at_x = (bw - rw) / 2, at_y = (bh - rh) / 2;
+    for (int n = -1, i = at_y * (bw - rw + 1) + at_x;
+         n < (bh - rh + 1) * (bw - rw + 1); i = ++n) { // the middle first
+        const int x = i % (bw - rw + 1), y = i / (bw - rw + 1);
+        const uint64_t *const a = sum + (size_t) y * row + x;
+        const uint64_t *const b = a + (size_t) rh * row;
+        const uint64_t v = b[rw] - b[0] - a[rw] + a[0];
+        if (v > most) {
+            most = v;
+            at_x = x;
+            at_y = y;
+        }
+    }
+    return (struct gp_rect) {
+        at_x * BLOCK,
+        at_y * BLOCK,
+        gp_min((at_x + rw) * BLOCK, (int) w),
+        gp_min((at_y + rh) * BLOCK, (int) h),
+    };
+}
+
+/* Adds a region to the plan of averages that takes `used`. */
+static gp_status fill(const struct gp_log *log, const struct gp_page_set *s,
+                      size_t bytes, size_t used, struct plan *p)
+{
+    const int bw = (gp_rect_w(s->window) + BLOCK - 1) / BLOCK;
+    const int bh = (gp_rect_h(s->window) + BLOCK - 1) / BLOCK;
+    const struct plan averages = *p;
+    uint64_t *sum = NULL;
+    size_t total = bytes + 1;
+    gp_status st;
+    double pixels = 0.8 * ((double) bytes - (double) used) * (double) p->n /
+                    (double) gp_max((int) used, 1);
+    GP_TRY(sum_scores(log, s, bw, bh, &sum));
+    for (int i = 0; i < 6 && total > bytes && pixels >= BLOCK * BLOCK; i++) {
+        p->region = find_region(s, sum, bw, bh, pixels);
+        p->n = averages.n +
+               (size_t) gp_rect_w(p->region) * (size_t) gp_rect_h(p->region);
+        GP_TRY(pack_all(log, s, p, false, NULL, &total));
+        pixels *= 0.9 * ((double) bytes - (double) used) /
+                  fmax((double) total - (double) used, 1.0);
+    }
+    if (total > bytes)
+        *p = averages;
+out:
+    gp_free(sum);
+    return st;
+}
+
+gp_status gp_page_pack(const struct gp_log *log, const struct gp_page_set *s,
+                       size_t bytes, json_t **out)
+{
+    const double w = gp_rect_w(s->window), h = gp_rect_h(s->window);
+    const double raw = w * h * 6.0 * s->n, wanted = 0.6 * (double) bytes;
+    json_t *const list = json_array();
+    size_t total;
+    gp_status st;
+    // (no picture is packed to less than a 20th, but for flat ones)
+    struct plan p =
+        plan_of(s, gp_clamp_whole(ceil(sqrt(raw / (20.0 * (double) bytes))), 1,
+                                  1 << 20));
+    GP_TRY(pack_all(log, s, &p, true, NULL, &total));
+    while ((double) total > (p.scale == 1 ? (double) bytes : wanted) &&
+           p.n > 1) {
+        const struct plan before = p;
+        p = plan_of(s, gp_max(p.scale + 1,
+                              gp_clamp_whole(
+                                  p.scale * sqrt(0.8 * (double) total / wanted),
+                                  1, 1 << 20)));
+        memcpy(p.delta, before.delta, sizeof p.delta);
+        GP_TRY(pack_all(log, s, &p, false, NULL, &total));
+    }
+    if (p.scale > 1 && total < bytes)
+        GP_TRY(fill(log, s, bytes, total, &p));
+    GP_TRY(pack_all(log, s, &p, false, list, &total));
+    *out = json_pack("{si si si si si s[iiii] sO}", "x", s->window.x0, "y",
+                     s->window.y0, "w", (int) w, "h", (int) h, "scale", p.scale,
+                     "region", p.region.x0, p.region.y0, gp_rect_w(p.region),
+                     gp_rect_h(p.region), "pictures", list);
+out:
+    json_decref(list);
+    return st;
+}
+
+gp_status gp_page_thumb(const struct gp_log *log, const struct gp_page_set *s,
+                        int i, int side, json_t **out)
+{
+    const int longer = gp_max(gp_rect_w(s->window), gp_rect_h(s->window));
+    const struct plan p = plan_of(s, (longer + side - 1) / side);
+    struct coder k;
+    void *bytes = NULL;
+    size_t n = 0;
+    gp_status st;
+    GP_TRY(begin_coder(log, s, &p, &k));
+    float *const v = (float *) (void *) k.base;
+    for (size_t c = 0; c < 3; c++) {
+        average(s, &p, s->picture[i].half[c], k.row, k.left);
+        gp_half_to_float(k.left, v, p.n);
+        for (size_t at = 0; at < p.n; at++)
+            k.out[3 * at + c] =
+                (uint8_t) lrintf(255.0f * gp_srgb_encode(gp_clamp01(v[at])));
+    }
+    GP_TRY(gp_zlib_pack(log, k.out, 3 * p.n, SMALL, &bytes, &n));
+    *out = json_pack("{si si so}", "w", p.w, "h", p.h, "rgb", base64(bytes, n));
+out:
+    gp_free(bytes);
+    end_coder(&k);
+    return st;
+}

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Pages: one HTML file that shows pictures beside each other, with their figures.
+ * page.html, page.css and page.js are put into the program by the build; what they
+ * show is JSON. Numbers of a picture are halfs, packed so that all fit the size of the
+ * page. */
+#ifndef GP_CLI_PAGE_PAGE_H
+#define GP_CLI_PAGE_PAGE_H
+
+#include "cli/options.h"
+#include "core/image.h"
+#include "core/status.h"
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// -- pictures over each other --------------------------------------------------
+
+/* Colour of a window, linear, rows from the top; 0 elsewhere. Borrowed. */
+struct gp_page_light {
+    struct gp_rect data;
+    const float *c[3];
+    const float *luminance; // weights of c; NULL: BT.709's
+};
+
+/* A picture of a set. All is owned. */
+struct gp_page_picture {
+    json_t *about; // its object on the page
+    uint16_t *half[3];
+    uint8_t *relative, *flip; // at each pixel against the first picture;
+                              // NULL: none
+};
+
+enum { GP_PAGE_PICTURES = 20 };
+
+/* Pictures of one window, the first of which is the reference. Zeroed is none. */
+struct gp_page_set {
+    struct gp_rect window; // of all, not empty
+    int n;
+    struct gp_page_picture picture[GP_PAGE_PICTURES];
+};
+void gp_page_set_free(struct gp_page_set *s);
+
+/* Adds a picture, as halfs, rounded to the nearest.
+ *   about  what the page says of it, at least "name"; its reference is taken
+ *   base   the first picture in floats: then the relative error is kept, of
+ *          luminance as in max_rel, in codes of 8 bits; NULL: none is
+ *   flip   FLIP at each pixel of the window, in [0,1]; NULL: none */
+GP_MUST_CHECK gp_status gp_page_set_add(const struct gp_log *log,
+                                        struct gp_page_set *s, json_t *about,
+                                        const struct gp_page_light *light,
+                                        const struct gp_page_light *base,
+                                        const float *flip);
+
+/* Packs a set into at most about `bytes` of JSON: whole, or as averages of
+ * squares of pixels, as few as fit three fifths, and a region of whole pixels, where
+ * the pictures differ most, in the rest.
+ *   out  object "set" of an entry */
+GP_MUST_CHECK gp_status gp_page_pack(const struct gp_log *log,
+                                     const struct gp_page_set *s, size_t bytes,
+                                     json_t **out);
+
+/* Packs a thumbnail of picture i, at most `side` pixels wide and high, sRGB. */
+GP_MUST_CHECK gp_status gp_page_thumb(const struct gp_log *log,
+                                      const struct gp_page_set *s, int i,
+                                      int side, json_t **out);
+
+// -- the page -------------------------------------------------------------------
+
+/* Bytes that --html-size leaves for the pictures of so many entries. */
+size_t gp_page_room(const struct gp_settings *s, int entries);
+
+/* Makes a page without entries.
+ *   out  {"kind", "title", "version", "command", "entries": []}: the command line
+ *        that makes it again, to which `option` and the name of `path` are added */
+GP_MUST_CHECK gp_status gp_page_make(const struct gp_log *log,
+                                     const struct gp_settings *s,
+                                     const char *kind, const char *title,
+                                     const char *option, const char *path,
+                                     json_t **out);
+
+/* Writes a page, whose reference it takes; "-" is stdout.
+ * Errors: GP_ERR_IO; GP_ERR_BUG out of memory, also for a NULL page. */
+GP_MUST_CHECK gp_status gp_page_save(const struct gp_log *log, const char *path,
+                                     json_t *page);
+
+/* The text of a page before and after its JSON, made by the build of page.html,
+ * page.css and page.js, with the hashes of both in its Content-Security-Policy. */
+extern const char gp_page_before[], gp_page_after[];
+
+#endif

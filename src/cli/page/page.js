@@ -1,0 +1,718 @@
+// SPDX-License-Identifier: Apache-2.0
+// The viewer of pages: pictures as halfs on a canvas, their figures, and a bench's
+// plot. No text of a page becomes markup: all of it is set as textContent.
+'use strict';
+
+const $ = id => document.getElementById(id);
+const page = JSON.parse($('data').textContent);
+const still = matchMedia('(prefers-reduced-motion: reduce)');
+
+function make(tag, text, set = {}) {
+  const node = tag.includes(':') ? document.createElementNS('http://www.w3.org/2000/svg', tag.slice(4))
+    : document.createElement(tag);
+  if (text !== undefined) node.textContent = text;
+  for (const key in set) node.setAttribute(key, set[key]);
+  return node;
+}
+
+function number(v) {
+  return v === null || v === undefined ? '–' : typeof v !== 'number' ? String(v)
+    : Number.isInteger(v) ? String(v) : String(+v.toPrecision(5));
+}
+
+// -- numbers of pictures -------------------------------------------------------
+
+const floats = new Float32Array(65536); // of each half
+for (let i = 0; i < 65536; i++) {
+  const e = i >> 10 & 31, m = i & 1023;
+  const v = e === 31 ? (m ? NaN : Infinity) : e ? (1024 + m) * 2 ** (e - 25) : m * 2 ** -24;
+  floats[i] = i < 32768 ? v : -v;
+}
+
+async function inflate(text) {
+  const packed = atob(text), bytes = new Uint8Array(packed.length);
+  for (let i = 0; i < packed.length; i++) bytes[i] = packed.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// Undoes predict() of pack.c: a w x h block from `at` of v.
+function restore(v, high, low, at, w, h) {
+  for (let y = 0; y < h; y++) {
+    for (let x = 0; x < w; x++, at++) {
+      const l = x ? v[at - 1] : y ? v[at - w] : 0, u = y ? v[at - w] : l;
+      const lu = x && y ? v[at - w - 1] : l;
+      const least = l < u ? l : u, most = l < u ? u : l;
+      const code = high[at] << 8 | low[at];
+      v[at] = (lu >= most ? least : lu <= least ? most : l + u - lu) + (code >> 1 ^ -(code & 1));
+    }
+  }
+}
+
+// Unpacks picture i of a set, once: {rgb: three planes of halfs, relative, flip}.
+function picture(set, i) {
+  const p = set.pictures[i];
+  p.ready = p.ready || (async () => {
+    const bytes = await inflate(p.rgb), base = p.delta ? await picture(set, 0) : null;
+    const n = bytes.length / 6, w = Math.ceil(set.w / set.scale), h = Math.ceil(set.h / set.scale);
+    const code = [0, 1, 2].map(c => {
+      const v = new Int16Array(n), high = bytes.subarray(2 * c * n, (2 * c + 1) * n);
+      const low = bytes.subarray((2 * c + 1) * n, (2 * c + 2) * n);
+      restore(v, high, low, 0, w, h);
+      restore(v, high, low, w * h, set.region[2], set.region[3]);
+      for (let k = 0; base && k < n; k++) v[k] += base.code[c][k];
+      return v;
+    });
+    const plane = c => c ? code[c].map((v, k) => v + code[0][k]) : code[0];
+    return {
+      code, rgb: [1, 0, 2].map(c => new Uint16Array(plane(c).buffer)),
+      relative: p.relative ? await inflate(p.relative) : null,
+      flip: p.flip ? await inflate(p.flip) : null,
+    };
+  })();
+  return p.ready;
+}
+
+// The relative error of a code, as in code_of() of pack.c.
+const errors = Float64Array.from({length: 256}, (_, c) => c ? c === 255 ? Infinity : 10 ** ((c - 1) * 11 / 254 - 9) : 0);
+
+// magma, as in gp_compare_heatmap(): t in [0,1] to 0xrrggbb
+const powers = [[-0.002136485, -0.000749655, -0.005386128], [0.251660541, 0.677523244, 2.494026599],
+  [8.353717279, -3.577719515, 0.314467903], [-27.66873309, 14.26473078, -13.64921319],
+  [52.17613981, -27.94360607, 12.94416944], [-50.76852536, 29.04658282, 4.23415299],
+  [18.65570507, -11.48977352, -5.60196151]];
+function magma(t) {
+  t = Math.min(Math.max(t, 0), 1);
+  return [0, 1, 2].reduce((all, c) => {
+    const v = powers.reduceRight((sum, p) => sum * t + p[c], 0);
+    return all << 8 | Math.round(255 * Math.min(Math.max(v, 0), 1));
+  }, 0);
+}
+const heat = Uint32Array.from({length: 256}, (_, c) => magma(c / 255));
+const LEAST = 1e-7; // of the colours of relative errors; the most is 1
+const position = e => e > 0 ? 1 - Math.log10(e) / Math.log10(LEAST) : 0;
+const errorHeat = Uint32Array.from(errors, e => magma(position(Math.min(e, 1))));
+
+// -- state ----------------------------------------------------------------------
+
+const canvas = $('canvas'), paint = canvas.getContext('2d');
+const state = {
+  entry: 0, set: null, a: 0, b: 1, A: null, B: null, mode: 'wipe', ev: 0, gamma: 2.2,
+  wipe: 0.5, zoom: 1, x: 0, y: 0, // image pixel in the middle, from the window's corner
+  px: 0, py: 0, odd: false, dpr: 1,
+};
+const codes = new Uint8ClampedArray(65536); // of each half at this exposure
+let timer = 0, waiting = false;
+
+function expose() {
+  const gain = 2 ** state.ev, power = 1 / state.gamma;
+  for (let i = 0; i < 65536; i++) {
+    const v = floats[i] * gain;
+    codes[i] = v > 0 ? Math.round(255 * Math.min(v, 1) ** power) : 0;
+  }
+  $('evs').textContent = `${state.ev > 0 ? '+' : ''}${state.ev} EV`;
+  $('gammas').textContent = state.gamma.toFixed(1);
+  histogram();
+  redraw();
+}
+
+function redraw() {
+  if (!waiting) requestAnimationFrame(() => { waiting = false; draw(); });
+  waiting = true;
+}
+
+// The sample of a pixel, from the window's corner; -1 outside.
+function sample(set, x, y) {
+  const [rx, ry, rw, rh] = set.region;
+  if (x < 0 || y < 0 || x >= set.w || y >= set.h) return -1;
+  const w = Math.ceil(set.w / set.scale), h = Math.ceil(set.h / set.scale);
+  return x >= rx && y >= ry && x < rx + rw && y < ry + rh ? w * h + (y - ry) * rw + x - rx
+    : Math.floor(y / set.scale) * w + Math.floor(x / set.scale);
+}
+
+function luminance(p, at) {
+  return 0.2126 * floats[p.rgb[0][at]] + 0.7152 * floats[p.rgb[1][at]] + 0.0722 * floats[p.rgb[2][at]];
+}
+
+// Error of B against A at a sample: packed with one of the two where the other is
+// the first picture, else of the halfs.
+function relative(at) {
+  const map = !state.a ? state.B.relative : null;
+  if (map) return errors[map[at]];
+  const a = luminance(state.A, at), b = luminance(state.B, at);
+  return a === b ? 0 : Math.abs(a - b) / Math.abs(a);
+}
+const flip = () => state.a === 0 ? state.B.flip : state.b === 0 ? state.A.flip : null;
+
+// Returns sample -> 0xrrggbb of what a mode shows.
+function shader(mode) {
+  const {A, B} = state;
+  if (mode === 'relative')
+    return !state.a && B.relative ? at => errorHeat[B.relative[at]] : at => magma(position(Math.min(relative(at), 1)));
+  if (mode === 'flip') { const map = flip(); return at => map ? heat[map[at]] : 0; }
+  if (mode === 'absolute') {
+    const gain = 2 ** state.ev, power = 1 / state.gamma;
+    const code = (a, b) => {
+      const d = Math.abs(floats[a] - floats[b]) * gain;
+      return d > 0 ? Math.round(255 * Math.min(d, 1) ** power) : 0;
+    };
+    return at => code(A.rgb[0][at], B.rgb[0][at]) << 16 | code(A.rgb[1][at], B.rgb[1][at]) << 8 |
+      code(A.rgb[2][at], B.rgb[2][at]);
+  }
+  const [r, g, b] = (mode === 'a' ? A : B).rgb;
+  return at => codes[r[at]] << 16 | codes[g[at]] << 8 | codes[b[at]];
+}
+
+// The part of the canvas that shows a picture, in its pixels: [from, width].
+function half(x) {
+  const w = state.mode === 'side' ? canvas.width >> 1 : canvas.width;
+  return x >= w && state.mode === 'side' ? [w, canvas.width - w] : [0, w];
+}
+
+// Image coordinates of a canvas pixel, from the window's corner.
+function place(x, y) {
+  const [from, w] = half(x);
+  return [state.x + (x - from - w / 2) / state.zoom, state.y + (y - canvas.height / 2) / state.zoom];
+}
+
+// Draws n x n samples a pixel where pixels are smaller than the screen's, after the
+// curve, so that a bright one does not spread.
+function draw() {
+  const set = state.set, w = canvas.width, h = canvas.height;
+  if (!set || !state.A || !w || !h) return;
+  const n = Math.min(Math.max(Math.ceil(1 / state.zoom), 1), 4), cut = Math.round(state.wipe * w);
+  const mode = state.mode === 'flicker' ? (state.odd ? 'b' : 'a') : state.mode;
+  const two = mode === 'wipe' || mode === 'side';
+  const left = shader(two ? 'a' : mode), right = two ? shader('b') : left;
+  const turn = mode === 'side' ? w >> 1 : mode === 'wipe' ? cut : w;
+  const [rx, ry, rw, rh] = set.region, sw = Math.ceil(set.w / set.scale), squares = sw * Math.ceil(set.h / set.scale);
+  const column = new Int32Array(w * n), inner = new Int32Array(w * n).fill(-1);
+  for (let i = 0; i < w * n; i++) {
+    const x = Math.floor(place((i + 0.5) / n, 0)[0]);
+    column[i] = x >= 0 && x < set.w ? Math.floor(x / set.scale) : -1;
+    if (x >= rx && x < rx + rw) inner[i] = x - rx;
+  }
+  const image = paint.createImageData(w, h), out = new Uint32Array(image.data.buffer);
+  const sum = new Uint16Array(4 * w);
+  for (let j = 0; j < h; j++) {
+    sum.fill(0);
+    for (let k = 0; k < n; k++) {
+      const y = Math.floor(place(0, j + (k + 0.5) / n)[1]);
+      if (y < 0 || y >= set.h) continue;
+      const row = Math.floor(y / set.scale) * sw, at = y >= ry && y < ry + rh ? squares + (y - ry) * rw : -1;
+      for (let i = 0; i < w * n; i++) {
+        if (column[i] < 0) continue;
+        const c = at >= 0 && inner[i] >= 0 ? at + inner[i] : row + column[i];
+        const to = n === 1 ? i : Math.floor(i / n), v = to < turn ? left(c) : right(c);
+        sum[4 * to] += v >> 16;
+        sum[4 * to + 1] += v >> 8 & 255;
+        sum[4 * to + 2] += v & 255;
+        sum[4 * to + 3]++;
+      }
+    }
+    for (let i = 0; i < w; i++) {
+      const m = sum[4 * i + 3];
+      if (m) out[j * w + i] = (255 << 24 | Math.round(sum[4 * i + 2] / m) << 16 | Math.round(sum[4 * i + 1] / m) << 8 |
+        Math.round(sum[4 * i] / m)) >>> 0;
+    }
+  }
+  paint.putImageData(image, 0, 0);
+  drawMarks(cut);
+}
+
+// A line that reads on any picture.
+function stroke(path, dash) {
+  for (const [colour, width] of [['#000', 3], ['#fff', 1]]) {
+    paint.strokeStyle = colour;
+    paint.lineWidth = width * state.dpr;
+    paint.setLineDash(width === 1 && dash ? [6 * state.dpr, 4 * state.dpr] : []);
+    paint.stroke(path);
+  }
+}
+
+function drawMarks(cut) {
+  const set = state.set, w = canvas.width, h = canvas.height, z = state.zoom;
+  const halves = state.mode === 'side' ? [0, w >> 1] : [0];
+  for (const from of halves) {
+    const [start, width] = half(from), path = new Path2D(), frame = new Path2D();
+    const at = (x, y) => [start + width / 2 + (x - state.x) * z, h / 2 + (y - state.y) * z];
+    paint.save();
+    paint.beginPath();
+    paint.rect(start, 0, width, h);
+    paint.clip();
+    if (z >= 6 * state.dpr && document.activeElement === canvas) {
+      path.rect(...at(state.px, state.py), z, z);
+      stroke(path);
+    }
+    if (set.scale > 1 && set.region[2]) {
+      frame.rect(...at(set.region[0], set.region[1]), set.region[2] * z, set.region[3] * z);
+      stroke(frame, true);
+    }
+    paint.restore();
+  }
+  if (state.mode === 'wipe' || state.mode === 'side') {
+    const path = new Path2D(), x = state.mode === 'side' ? w >> 1 : cut;
+    path.moveTo(x, 0);
+    path.lineTo(x, h);
+    stroke(path);
+  }
+}
+
+// -- the pixel that is read --------------------------------------------------------
+
+function readPixel(aloud) {
+  const {set, A, B} = state;
+  if (!set || !A) return;
+  const at = sample(set, state.px, state.py), body = $('values').tBodies[0];
+  const mean = set.scale > 1 && at >= 0 && at < Math.ceil(set.w / set.scale) * Math.ceil(set.h / set.scale);
+  const rows = [['A', A], ['B', B]].map(([name, p]) => [name, ...p.rgb.map(v => at < 0 ? NaN : floats[v[at]])]);
+  rows.push(['B − A', ...[1, 2, 3].map(c => rows[1][c] - rows[0][c])]);
+  body.replaceChildren(...rows.map(r => {
+    const row = make('tr');
+    row.append(make('th', r[0], {scope: 'row'}), ...r.slice(1).map(v => make('td', at < 0 ? '–' : String(+v.toPrecision(6)))));
+    return row;
+  }));
+  const map = flip(), most = mean ? ', the most of them' : '';
+  $('pixel').textContent = `pixel ${state.px + set.x}, ${state.py + set.y}` + (at < 0 ? ': outside'
+    : (mean ? `: means of ${set.scale} × ${set.scale} pixels` : '') + `; relative error ${number(relative(at))}${most}` +
+      (map ? `; FLIP ${(map[at] / 255).toFixed(3)}${most}` : ''));
+  if (aloud) $('say').textContent = $('pixel').textContent + '; ' + rows.slice(0, 2).map(r => r.join(' ')).join('; ');
+}
+
+function point(x, y, aloud) {
+  state.px = Math.min(Math.max(x, 0), state.set.w - 1);
+  state.py = Math.min(Math.max(y, 0), state.set.h - 1);
+  readPixel(aloud);
+}
+
+// -- view ----------------------------------------------------------------------------
+
+function clampView() {
+  const {set} = state;
+  state.x = Math.min(Math.max(state.x, 0), set.w);
+  state.y = Math.min(Math.max(state.y, 0), set.h);
+}
+
+function zoomTo(zoom, x = state.x, y = state.y) {
+  const [w] = [half(0)[1]], fit = Math.min(w / state.set.w, canvas.height / state.set.h);
+  state.zoom = Math.min(Math.max(zoom, Math.min(fit, 1) / 2), 128 * state.dpr);
+  state.x = x;
+  state.y = y;
+  clampView();
+  redraw();
+}
+
+function fit() {
+  const {set} = state, w = half(0)[1];
+  zoomTo(Math.min(w / set.w, canvas.height / set.h, 64), set.w / 2, set.h / 2);
+}
+
+// Zooms around a canvas pixel, or the middle.
+function zoomBy(factor, x, y) {
+  const before = state.zoom, at = x === undefined ? [state.x, state.y] : place(x, y);
+  zoomTo(state.zoom * factor);
+  const k = before / state.zoom;
+  zoomTo(state.zoom, at[0] + (state.x - at[0]) * k, at[1] + (state.y - at[1]) * k);
+}
+
+function resize() {
+  const dpr = Math.min(devicePixelRatio || 1, 2), box = canvas.getBoundingClientRect();
+  const w = Math.round(box.width * dpr), h = Math.round(box.height * dpr);
+  if (!w || !h || (w === canvas.width && h === canvas.height)) return;
+  const first = !canvas.ready;
+  state.zoom *= first ? 1 : Math.min(w / canvas.width, 1e9);
+  canvas.width = w;
+  canvas.height = h;
+  state.dpr = dpr;
+  canvas.ready = true;
+  if (state.set) first ? fit() : redraw();
+}
+
+function setMode(mode) {
+  const was = state.mode, radio = document.querySelector(`input[name=mode][value=${mode}]`);
+  if (radio.disabled) return;
+  radio.checked = true;
+  state.mode = mode;
+  clearInterval(timer);
+  if (mode === 'flicker') timer = setInterval(() => { state.odd = !state.odd; redraw(); }, still.matches ? 2000 : 500);
+  $('wipe').hidden = mode !== 'wipe';
+  $('scale').hidden = mode !== 'relative' && mode !== 'flip';
+  $('low').textContent = mode === 'flip' ? '0' : LEAST;
+  $('high').textContent = mode === 'flip' ? '1 FLIP' : '1 relative error';
+  if ((was === 'side') !== (mode === 'side') && state.set) state.zoom *= mode === 'side' ? 0.5 : 2;
+  resize();
+  redraw();
+}
+
+function setWipe(v) {
+  state.wipe = Math.min(Math.max(v, 0), 1);
+  $('wipe').value = Math.round(1000 * state.wipe);
+  redraw();
+}
+
+function slide(id, name, delta) {
+  const input = $(id);
+  input.value = +input.value + delta;
+  state[name] = +input.value;
+  expose();
+}
+
+// The exposure at which all but 1 in 200 samples of A are below white.
+function autoExposure() {
+  const bins = state.set.pictures[state.a].histogram.reduce((sum, b) => sum.map((v, i) => v + b[i]));
+  let above = bins.reduce((s, v) => s + v, 0) / 200, i = 61;
+  while (i > 0 && (above -= bins[i]) > 0) i--;
+  slide('ev', 'ev', Math.min(Math.max(14.5 - i / 2, -16), 16) - state.ev);
+}
+
+function histogram() {
+  const svg = $('histogram'), {set} = state;
+  if (!set) return;
+  const sums = [state.a, state.b].map(i => set.pictures[i].histogram.reduce((s, b) => s.map((v, k) => v + b[k])));
+  const top = Math.log10(2 + Math.max(...sums.flat())), x = i => 10 + i * 10, y = v => 130 - 120 * Math.log10(1 + v) / top;
+  const path = bins => bins.map((v, i) => `V${y(v).toFixed(1)}H${x(i + 1)}`).join('');
+  const white = x(Math.min(Math.max(30 - 2 * state.ev, 0), 62));
+  svg.replaceChildren(make('svg:path', '', {class: 'fillB', d: `M10 130${path(sums[1])}V130Z`}),
+    make('svg:path', '', {class: 'lineA', d: `M10 130${path(sums[0])}V130`}),
+    make('svg:path', '', {class: 'white', d: `M${white} 5V135`}));
+  for (let e = -14; e <= 14; e += 4)
+    svg.append(make('svg:text', 2 ** e < 1 ? `1/${2 ** -e}` : 2 ** e, {class: 'axis', x: x(30 + 2 * e), y: 146, 'text-anchor': 'middle'}));
+}
+
+// -- tables ----------------------------------------------------------------------------
+
+// A table whose headings sort it: rows are {cells, node?, pick?, current?}.
+function sortable(columns, rows) {
+  const table = make('table'), head = make('tr'), body = make('tbody');
+  rows.forEach(r => {
+    r.tr = make('tr');
+    r.cells.forEach((v, i) => {
+      const cell = make(i ? 'td' : 'th', v instanceof Node ? undefined : number(v), i ? {} : {scope: 'row'});
+      if (v instanceof Node) cell.append(v);
+      if (typeof v === 'string') cell.className = 'text ' + (i ? v.replace(/^file /, '') : '');
+      r.tr.append(cell);
+    });
+    body.append(r.tr);
+  });
+  columns.forEach((name, i) => {
+    const th = make('th', undefined, {scope: 'col'}), button = make('button', name, {type: 'button'});
+    button.onclick = () => {
+      const up = th.getAttribute('aria-sort') !== 'ascending';
+      head.querySelectorAll('[aria-sort]').forEach(o => o.removeAttribute('aria-sort'));
+      th.setAttribute('aria-sort', up ? 'ascending' : 'descending');
+      const key = r => r.cells[i] instanceof Node ? r.cells[i].textContent : r.cells[i];
+      rows.sort((p, q) => {
+        const a = key(p), b = key(q), none = v => v === null || v === undefined;
+        return none(a) || none(b) ? none(a) - none(b)
+          : (up ? 1 : -1) * (typeof a === 'number' && typeof b === 'number' ? a - b
+            : String(a).localeCompare(String(b), 'en', {numeric: true}));
+      });
+      body.append(...rows.map(r => r.tr));
+    };
+    th.append(button);
+    head.append(th);
+  });
+  const thead = make('thead');
+  thead.append(head);
+  table.append(thead, body);
+  return table;
+}
+
+function plainTable(caption, heads, rows) {
+  const table = make('table'), head = make('tr'), body = make('tbody'), thead = make('thead');
+  const box = make('div', undefined, {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption});
+  head.append(...heads.map(h => make('th', h, {scope: 'col'})));
+  thead.append(head);
+  body.append(...rows.map(r => {
+    const row = make('tr');
+    row.append(...r.map((v, i) => make(i ? 'td' : 'th', number(v), i ? {class: typeof v === 'string' ? 'text ' + v : ''} : {scope: 'row'})));
+    return row;
+  }));
+  table.append(make('caption', caption), thead, body);
+  box.append(table);
+  return box;
+}
+
+function showFacts(entry) {
+  const facts = entry.facts, parts = [];
+  $('numbers').hidden = !facts;
+  if (!facts) return;
+  const plain = Object.entries(facts).filter(([k, v]) => !['a', 'b', 'status', 'why'].includes(k) && (v === null || typeof v !== 'object'));
+  const rows = plain.map(([k, v]) => [k, v === null ? 'inf' : v]);
+  if (facts.worst) rows.push(['worst', `${facts.worst.x}, ${facts.worst.y}, ${facts.worst.channel}: ${number(facts.worst.a)} and ${number(facts.worst.b)}`]);
+  if (facts.flip_exposures) rows.push(['flip_exposures', facts.flip_exposures.map(v => +v.toPrecision(4)).join(', ')]);
+  parts.push(plainTable('as --json has them', ['figure', 'value'], rows));
+  if (entry.gates && entry.gates.length)
+    parts.push(plainTable('gates', ['gate', 'found', 'limit', 'of', 'status'],
+      entry.gates.map(g => [g.gate, g.found, g.limit === null ? 'any' : g.limit, g.of, g.status])));
+  if (entry.channels) parts.push(make('p', `${entry.channels.length} channels: ${entry.channels.join(', ')}`));
+  $('facts').replaceChildren(...parts);
+}
+
+function command(name, text, list) {
+  const dd = make('dd'), button = make('button', 'copy', {type: 'button', 'aria-label': `copy the command of ${name}`});
+  const code = make('code', text);
+  button.onclick = async () => {
+    try {
+      await navigator.clipboard.writeText(text);
+    } catch {
+      getSelection().selectAllChildren(code);
+      document.execCommand('copy');
+    }
+    button.textContent = 'copied';
+  };
+  dd.append(code, button);
+  list.append(make('dt', name), dd);
+}
+
+function showCommands() {
+  const list = $('made'), {set} = state, notes = [...(page.entries[state.entry]?.notes || [])];
+  list.replaceChildren();
+  for (const [name, i] of set ? [['A', state.a], ['B', state.b]] : []) {
+    const p = set.pictures[i], label = set.pictures.length > 2 ? `${name}, ${p.name}` : `${name}, ${p.file || p.name}`;
+    if (p.command) command(label, p.command, list);
+    else list.append(make('dt', label), make('dd', 'does not say which command made it'));
+    if (p.rounded) notes.push(`${name}: ${p.rounded} values were rounded to half floats, to 1 in 2048 of each; relative errors and FLIP are of the file's own`);
+    if (p.clamped) notes.push(`${name}: ${p.clamped} values beyond 65504 are shown as 65504`);
+    if (p.odd) notes.push(`${name}: ${p.odd} values are NaN or infinite`);
+  }
+  command('this page', page.command, list);
+  if (set && set.scale > 1)
+    notes.unshift(`scaled down to fit --html-size: means of ${set.scale} × ${set.scale} pixels` +
+      (set.region[2] ? `; whole pixels within ${set.region[2]} × ${set.region[3]} at ${set.region[0] + set.x}, ${set.region[1] + set.y}, dashed` : ''));
+  notes.push(`glarepp ${page.version}`);
+  $('notes').replaceChildren(...notes.map(n => make('li', n)));
+  $('exact').textContent = set ? `${set.w} × ${set.h} at ${set.x}, ${set.y}; ` + (set.scale > 1
+    ? `means of ${set.scale} × ${set.scale} pixels${set.region[2] ? ', whole pixels in the dashed frame' : ''}` : 'every pixel as it is') : '';
+}
+
+// -- bench ---------------------------------------------------------------------------------
+
+function showBench(entry) {
+  const rows = entry.table, svg = $('plot');
+  $('bench').hidden = !rows;
+  if (!rows) return;
+  const points = rows.filter(r => r.ms > 0 && r.rel_l2 !== undefined && !r.apart).map(r => ({r, x: Math.log10(r.ms), y: Math.log10(Math.max(r.rel_l2, 1e-10))}));
+  const limit = Math.log10(entry.tolerance), range = (list) => [Math.floor(Math.min(...list)), Math.floor(Math.max(...list)) + 1];
+  const [x0, x1] = range([...points.map(p => p.x), 0]), [y0, y1] = range([...points.map(p => p.y), limit]);
+  const x = v => 62 + (v - x0) / (x1 - x0) * 400, y = v => 370 - (v - y0) / (y1 - y0) * 350;
+  const line = (cls, d) => svg.append(make('svg:path', undefined, {class: cls, d}));
+  const text = (t, tx, ty, set) => svg.append(make('svg:text', t, {class: 'axis', x: tx, y: ty, ...set}));
+  svg.replaceChildren();
+  for (let v = x0; v <= x1; v++) { line('grid', `M${x(v)} 20V370`); text(number(10 ** v), x(v), 386, {'text-anchor': 'middle'}); }
+  for (let v = y0; v <= y1; v++) { line('grid', `M62 ${y(v)}H462`); text(`1e${v}`, 56, y(v) + 4, {'text-anchor': 'end'}); }
+  text('milliseconds, bright pass to layer', 262, 408, {'text-anchor': 'middle'});
+  text('rel_l2', 6, 14, {});
+  line('tolerance', `M62 ${y(limit)}H462`);
+  text('tolerance', 460, y(limit) - 4, {'text-anchor': 'end'});
+  points.sort((p, q) => p.x - q.x || q.y - p.y);
+  line('front', points.filter(p => p.r.pareto).map((p, i) => `${i ? 'L' : 'M'}${x(p.x)} ${y(p.y)}`).join('') || 'M0 0');
+  let label = 0;
+  points.sort((p, q) => q.y - p.y);
+  for (const p of points) {
+    label = Math.max(y(p.y) + 4, label + 15);
+    const node = make('svg:g', undefined, {class: 'point', tabindex: 0, role: 'button', 'aria-label': `${p.r.name}: ${number(p.r.ms)} ms, rel_l2 ${number(p.r.rel_l2)}`});
+    node.append(make('svg:path', undefined, {class: 'grid', d: `M${x(p.x)} ${y(p.y)}L472 ${label - 4}`}),
+      make('svg:circle', undefined, {cx: x(p.x), cy: y(p.y), r: 6}), make('svg:text', p.r.name, {class: p.r.pareto ? '' : 'dim', x: 476, y: label}));
+    node.onpointerenter = node.onfocus = () => { $('named').textContent = node.getAttribute('aria-label') + (p.r.pareto ? '; no other is both faster and nearer' : ''); };
+    node.onclick = () => choose(p.r);
+    node.onkeydown = e => { if (e.key === 'Enter' || e.key === ' ') { e.preventDefault(); choose(p.r); } };
+    p.r.node = node;
+    svg.append(node);
+  }
+  const columns = ['name', 'ms', 'ms_first', 'rel_l2', 'max_rel', 'flip', 'bound', 'options'];
+  const lines = rows.map(r => {
+    const pick = make('button', r.name, {type: 'button'});
+    pick.onclick = () => choose(r);
+    return r.line = {cells: [pick, ...columns.slice(1).map(c => c === 'options' ? make('span', r.why || r.options) : r[c] ?? null)]};
+  });
+  $('table').hidden = false;
+  $('table').firstElementChild.replaceChildren(sortable(columns, lines));
+}
+
+// Shows the picture of a row, and marks the row and its point.
+function choose(row) {
+  const {set} = state;
+  for (const r of page.entries[state.entry].table || []) {
+    r.node?.classList.toggle('chosen', r === row);
+    r === row ? r.line.tr.setAttribute('aria-current', 'true') : r.line.tr.removeAttribute('aria-current');
+  }
+  const i = set ? set.pictures.findIndex(p => p.row === row.name) : -1;
+  if (i >= 0) pick(0, i);
+}
+
+// -- entries ---------------------------------------------------------------------------------
+
+async function pick(a, b) {
+  const set = state.set;
+  const [A, B] = await Promise.all([picture(set, a), picture(set, b)]);
+  if (set !== state.set) return; // another was chosen meanwhile
+  Object.assign(state, {a, b, A, B});
+  $('a').value = a;
+  $('b').value = b;
+  const without = !flip(), radio = document.querySelector('input[name=mode][value=flip]');
+  radio.disabled = without;
+  if (without && state.mode === 'flip') setMode('wipe');
+  showCommands();
+  expose();
+  readPixel();
+  document.body.dataset.ready = `${state.entry} ${a} ${b}`; // for tests
+}
+
+async function open(i) {
+  const entry = page.entries[i], set = entry?.set || null, was = state.set;
+  Object.assign(state, {entry: i, set, A: null, B: null});
+  $('viewer').hidden = !set;
+  document.querySelectorAll('#strip [aria-current]').forEach(n => n.removeAttribute('aria-current'));
+  $('strip').querySelectorAll('.pair')[i]?.setAttribute('aria-current', 'true');
+  $('showing').textContent = entry?.label ? `Pictures of ${entry.label}` : 'Pictures';
+  if (entry) { showFacts(entry); showBench(entry); }
+  showCommands();
+  const result = entry?.facts?.result;
+  $('verdict').replaceChildren(...(result ? [make('span', (entry.label ? entry.label + ': ' : '') + result, {class: result.replace('file ', '')}),
+    make('span', entry.facts.why ? ` (${entry.facts.why})` : '')] : []));
+  if (!set) {
+    if (page.kind === 'compare' && result && !entry.facts.why)
+      $('notes').prepend(make('li', 'no pictures of this pair: the page has those of the worst, and figures of all; for this one compare it alone'));
+    document.body.dataset.ready = `${i}`;
+    return;
+  }
+  const worst = entry.facts?.worst;
+  $('worst').hidden = !worst;
+  $('region').hidden = !(set.scale > 1 && set.region[2]);
+  for (const id of ['a', 'b'])
+    $(id).replaceChildren(...set.pictures.map((p, k) => make('option', p.file ? `${p.name}: ${p.file}` : p.name, {value: k})));
+  resize();
+  if (!was || was.w !== set.w || was.h !== set.h) fit();
+  if (worst) point(worst.x - set.x, worst.y - set.y);
+  else point(set.w >> 1, set.h >> 1);
+  await pick(0, Math.min(1, set.pictures.length - 1));
+}
+
+async function showThumb(thumb, to) {
+  const rgb = await inflate(thumb.rgb), image = new ImageData(thumb.w, thumb.h);
+  for (let i = 0; i < thumb.w * thumb.h; i++) image.data.set([rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2], 255], 4 * i);
+  to.getContext('2d').putImageData(image, 0, 0);
+}
+
+function list() {
+  const several = page.entries.length > 1, index = page.kind === 'index', strip = $('strip').firstElementChild;
+  $('strip').hidden = !several && !index;
+  if ($('strip').hidden) return;
+  const node = (e, i, text) => {
+    const n = index ? make('a', text, {href: e.href.split('/').map(encodeURIComponent).join('/')}) : make('button', text, {type: 'button'});
+    if (!index) n.onclick = () => open(i);
+    return n;
+  };
+  page.entries.forEach((e, i) => {
+    const item = make('li'), button = node(e, i), thumb = e.thumb || {w: 16, h: 9};
+    const map = make('canvas', undefined, {width: thumb.w, height: thumb.h, 'aria-hidden': 'true'});
+    button.className = 'pair';
+    button.append(map, make('span', e.label || e.facts?.b || e.name));
+    if (e.facts) button.append(make('span', e.facts.result, {class: e.facts.result.replace('file ', '')}));
+    if (e.thumb) showThumb(e.thumb, map);
+    item.append(button);
+    strip.append(item);
+  });
+  if (!page.entries[0]?.facts) return;
+  const columns = ['pair', 'result', 'flip', 'rel_l2', 'max_rel', 'max', 'failed'];
+  $('table').hidden = false;
+  $('table').firstElementChild.replaceChildren(sortable(columns, page.entries.map((e, i) => ({
+    cells: [node(e, i, e.label || e.facts.b), ...columns.slice(1).map(c => e.facts[c] ?? null)]}))));
+}
+
+// -- input ---------------------------------------------------------------------------------------
+
+function press(e) {
+  if (e.ctrlKey || e.metaKey || e.altKey || $('help').open || e.target.matches('select')) return;
+  const arrow = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[e.key];
+  const {set} = state, modes = [...document.querySelectorAll('input[name=mode]')];
+  if (e.key === '?') $('help').showModal();
+  else if (e.key === 'n' || e.key === 'p') {
+    const to = state.entry + (e.key === 'n' ? 1 : -1);
+    if (to >= 0 && to < page.entries.length && page.kind !== 'index') open(to);
+  } else if (!set || !state.A) return;
+  else if (arrow && e.target === canvas) {
+    const step = e.shiftKey ? 10 : 1;
+    point(state.px + step * arrow[0], state.py + step * arrow[1], true);
+    const [from, w] = half(0), far = (d, size) => Math.abs(d) > size / 2 / state.zoom - 1;
+    if (far(state.px - state.x, w - from)) state.x = state.px + 0.5;
+    if (far(state.py - state.y, canvas.height)) state.y = state.py + 0.5;
+    redraw();
+  } else if (arrow && !arrow[1] && state.mode === 'wipe' && e.target === document.body) setWipe(state.wipe + arrow[0] / 100);
+  else if (/^[1-8]$/.test(e.key)) setMode(modes[e.key - 1].value);
+  else {
+    const act = {'+': () => zoomBy(2), '=': () => zoomBy(2), '-': () => zoomBy(0.5), 0: fit, z: () => $('one').click(),
+      e: () => slide('ev', 'ev', -0.5), E: () => slide('ev', 'ev', 0.5), g: () => slide('gamma', 'gamma', -0.1),
+      G: () => slide('gamma', 'gamma', 0.1), a: autoExposure, x: () => pick(state.b, state.a),
+      w: () => $('worst').click(), r: () => $('region').click()}[e.key];
+    if (!act) return;
+    act();
+  }
+  if (e.target === canvas || e.key === '?') e.preventDefault();
+}
+
+function listen() {
+  let drag = null; // 'wipe', or the last place
+  const at = e => { const b = canvas.getBoundingClientRect(); return [(e.clientX - b.left) * state.dpr, (e.clientY - b.top) * state.dpr]; };
+  const nearWipe = x => state.mode === 'wipe' && Math.abs(x - state.wipe * canvas.width) < 12 * state.dpr;
+  canvas.onpointerdown = e => {
+    const p = at(e);
+    drag = nearWipe(p[0]) ? 'wipe' : p;
+    canvas.setPointerCapture(e.pointerId);
+  };
+  canvas.onpointerup = canvas.onpointercancel = () => { drag = null; };
+  canvas.onpointermove = e => {
+    const [x, y] = at(e);
+    if (!state.set || !state.A) return;
+    canvas.style.cursor = drag === 'wipe' || nearWipe(x) ? 'ew-resize' : '';
+    if (drag === 'wipe') setWipe(x / canvas.width);
+    else if (drag) {
+      state.x -= (x - drag[0]) / state.zoom;
+      state.y -= (y - drag[1]) / state.zoom;
+      drag = [x, y];
+      clampView();
+      redraw();
+    } else point(...place(x, y).map(Math.floor));
+  };
+  canvas.addEventListener('wheel', e => {
+    if (!e.ctrlKey && document.activeElement !== canvas) return;
+    e.preventDefault();
+    zoomBy(2 ** (-e.deltaY / 200), ...at(e));
+  }, {passive: false});
+  canvas.onfocus = canvas.onblur = redraw;
+  $('wipe').oninput = () => setWipe($('wipe').value / 1000);
+  $('ev').oninput = () => slide('ev', 'ev', 0);
+  $('gamma').oninput = () => slide('gamma', 'gamma', 0);
+  $('modes').onchange = e => setMode(e.target.value);
+  $('a').onchange = $('b').onchange = () => pick(+$('a').value, +$('b').value);
+  $('auto').onclick = autoExposure;
+  $('fit').onclick = fit;
+  $('one').onclick = () => zoomTo(state.dpr);
+  $('in').onclick = () => zoomBy(2);
+  $('out').onclick = () => zoomBy(0.5);
+  $('worst').onclick = () => {
+    const w = page.entries[state.entry].facts?.worst;
+    if (!w) return;
+    point(w.x - state.set.x, w.y - state.set.y, true);
+    zoomTo(Math.max(state.zoom, 16 * state.dpr), state.px + 0.5, state.py + 0.5);
+  };
+  $('region').onclick = () => {
+    const [x, y, w, h] = state.set.region;
+    if (w) zoomTo(Math.min(half(0)[1] / w, canvas.height / h), x + w / 2, y + h / 2);
+  };
+  $('ask').onclick = () => $('help').showModal();
+  addEventListener('keydown', press);
+  new ResizeObserver(resize).observe(canvas);
+}
+
+$('title').textContent = document.title = page.title;
+$('map').getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(Array.from(heat, v => [v >> 16, v >> 8 & 255, v & 255, 255]).flat()), 256, 1), 0, 0);
+if (typeof DecompressionStream === 'undefined') {
+  $('trouble').textContent = 'This browser cannot unpack the pictures (DecompressionStream): take one of 2023 or later. The figures are below.';
+  page.entries.forEach(e => { delete e.set; delete e.thumb; });
+}
+listen();
+list();
+setMode('wipe');
+open(0);
