@@ -224,9 +224,19 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           python3 python3-numpy python3-scipy python3-openimageio python3-pil
 # Packages of a few tests, which are skipped without them
 EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \
-         clang-tidy clang-format cppcheck lintian strace qemu-user
+         clang-tidy clang-format cppcheck lintian strace qemu-user chromium
+# (a node that is not Debian's brings npm, and refuses Debian's)
+EXTRA += $(if $(shell command -v npm),,npm)
 deps: ## install: installs the Debian packages that are missing
 	@.ci/deps.sh "$(DEBIAN)" "$(EXTRA)"
+	@-$(MAKE) --no-print-directory $(B)/axe.min.js
+
+# The checks of pages for what eyes and screen readers need
+AXE := axe-core@4.10.3
+$(B)/axe.min.js:
+	@mkdir -p $(B)/axe
+	@cd $(B)/axe && timeout 60 npm pack --silent $(AXE) >/dev/null 2>&1 && tar -xzf *.tgz && \
+	    cp package/axe.min.js .. || echo "deps: without $(AXE) of npm a test is skipped"
 
 clean: ## install: removes build/
 	@rm -rf $(B) compile_commands.json

@@ -135,7 +135,7 @@ Each picture has its command. `make gallery` makes them all again.
 END
 frame=examples/street.exr more=
 set -- $("$glarepp" styles | sed 's/ .*//;s/^/--style=/')
-chapter Styles 'A style sets everything at once; any option beside it rules.' "$@"
+chapter Styles '`glarepp styles -o sheet.html examples/street.exr` shows two at a time.' "$@"
 set -- $("$glarepp" kernel --list | sed -n \
     -e '/^image:/d;s/^\([a-z]*\): .*/--kernel=\1/p' \
     -e '/^Presets/,$s/^  \([a-z][a-z-]*\) .*/--kernel=\1/p' |

@@ -103,10 +103,10 @@ chosen()
 first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
 first="$first|manual\.t|styles\.t|data\.t|bench\.t|determinism\.t|soak\.t|fuzz\.t"
 first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw|api-fail_nth"
-first="$first|blender\.sh|compare\.t|engines\.t|glare-edges|scene-sets"
+first="$first|page\.t|blender\.sh|compare\.t|engines\.t|glare-edges|scene-sets"
 tasks=()
 for check in $checks; do tasks+=("check $check $check"); done
-for test in tests/cli/*.t tests/blender.sh; do
+for test in tests/cli/*.t tests/page/*.t tests/blender.sh; do
     name=${test##*/}
     ! chosen "${name%.*}" || tasks+=("cli $test $name")
 done

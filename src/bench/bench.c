@@ -214,10 +214,13 @@ out:
     return st;
 }
 
-/* Compares a picture with the exact one, by FLIP or as light. */
+/* Compares a picture with the exact one, by FLIP, whose map *map becomes where that
+ * is not NULL, or as light. */
 static gp_status compare_views(const struct bench *b,
-    const struct glarepp_image *exact, const struct glarepp_image *picture,
-    bool shown, struct glarepp_compare_facts *out)
+                               const struct glarepp_image *exact,
+                               const struct glarepp_image *picture, bool shown,
+                               struct glarepp_compare_facts *out,
+                               struct glarepp_image *map)
 {
     static const char *const names[] = {"R", "G", "B"};
     const struct glarepp_image *const image[2] = {exact, picture};
@@ -238,10 +241,12 @@ static gp_status compare_views(const struct bench *b,
         }
     }
     p.flip = shown;
-    const gp_status st = (gp_status) glarepp_compare(b->req->gp, &p, &pair[0],
-                                                     &pair[1], &c);
+    gp_status st =
+        (gp_status) glarepp_compare(b->req->gp, &p, &pair[0], &pair[1], &c);
     if (!st)
         *out = *glarepp_compare_facts(c);
+    if (!st && map)
+        st = (gp_status) glarepp_compare_view(c, -2, false, 1.0f, map);
     glarepp_compare_end(&c);
     return st;
 }
@@ -251,7 +256,8 @@ static gp_status measure_error(const struct bench *b,
                                struct glarepp_frame *frame,
                                struct gp_bench_row *row)
 {
-    struct glarepp_image layer, picture, exact;
+    const bool page = b->req->params->page != NULL;
+    struct glarepp_image layer, picture, exact, map = GLAREPP_IMAGE;
     struct glarepp_compare_facts facts;
     gp_status st;
     GP_TRY(glarepp_frame_view(frame, GLAREPP_GLARE, 0, &layer));
@@ -264,10 +270,15 @@ static gp_status measure_error(const struct bench *b,
         exact = picture;
         for (int k = 0; k < 3; k++)
             exact.plane[k] = b->shown.c[k];
-        GP_TRY(compare_views(b, &exact, &picture, true, &facts));
+        GP_TRY(compare_views(b, &exact, &picture, true, &facts,
+                             page ? &map : NULL));
         row->flip = facts.flip;
+        if (page)
+            GP_TRY(b->req->picture(b->req->user, b->log, row->name,
+                                   row->options, &picture, &exact, &map));
     }
 out:
+    glarepp_image_end(&map);
     return st;
 }
 
@@ -371,7 +382,7 @@ static gp_status compare_extra(const struct bench *b,
     gp_status st;
     for (int k = 0; k < 2; k++)
         GP_TRY(glarepp_frame_view(frame[k], GLAREPP_GLARE, 0, &view[k]));
-    GP_TRY(compare_views(b, &view[1], &view[0], false, &f));
+    GP_TRY(compare_views(b, &view[1], &view[0], false, &f, NULL));
     out->rel_l2 = f.rel_l2;
     out->max_abs = f.max;
     for (int k = 0; k < 2; k++) {
@@ -379,7 +390,7 @@ static gp_status compare_extra(const struct bench *b,
         GP_TRY(glarepp_frame_run(frame[k], GLAREPP_DONE));
         GP_TRY(glarepp_frame_view(frame[k], GLAREPP_LIT, 0, &view[k]));
     }
-    GP_TRY(compare_views(b, &view[1], &view[0], false, &f));
+    GP_TRY(compare_views(b, &view[1], &view[0], false, &f, NULL));
     out->max_rel = f.max_rel;
 out:
     return st;
@@ -584,9 +595,9 @@ out:
 static gp_status check_outputs(const struct gp_log *log,
                                const struct gp_bench_params *p)
 {
-    const char *const files[] = {p->csv, p->json, p->plot};
+    const char *const files[] = {p->csv, p->json, p->plot, p->page};
     const size_t n = p->plot ? strlen(p->plot) : 0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         const gp_status st = files[i] && !gp_is_dash(files[i])
                                  ? gp_file_check(log, files[i], false) : GP_OK;
         if (st)
@@ -632,6 +643,8 @@ gp_status gp_bench_run(const struct gp_log *log,
         if (!out->input || !out->kernel)
             GP_TRY(gp_no_memory(log, f.path));
         GP_TRY(measure_frame(&b, out));
+        if (p->page)
+            GP_TRY(req->table(req->user, log, gp_bench_json_frame(out)));
         gp_frame_free(&f);
     }
     GP_TRY(gp_bench_write(log, p, &table));

@@ -13,6 +13,7 @@
 /* Options of the table; files are NULL when not wanted. */
 struct gp_bench_params {
     const char *csv, *json, *plot;
+    const char *page; // that the caller writes of what it is given
     bool paper;  // the paper's three frames instead of an input
     int runs;    // timed ones of each row, >= 1
 };
@@ -36,6 +37,15 @@ struct gp_bench_request {
                                             const struct gp_frame *f);
     gp_status (*planes)(void *user, const struct gp_log *log,
                         const struct gp_frame *f, struct glarepp_frame *to);
+    /* With params->page: takes the tone-mapped picture of a row, the exact one, and
+     * in plane[0] FLIP between them; then the frame's table, as the JSON has it, whose
+     * reference is taken. */
+    gp_status (*picture)(void *user, const struct gp_log *log, const char *row,
+                         const char *options,
+                         const struct glarepp_image *picture,
+                         const struct glarepp_image *exact,
+                         const struct glarepp_image *flip);
+    gp_status (*table)(void *user, const struct gp_log *log, json_t *frame);
 };
 
 /* Measures every technique on the input's one frame, or on the paper's three;

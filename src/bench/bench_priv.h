@@ -130,6 +130,9 @@ GP_MUST_CHECK gp_status gp_bench_save_csv(const struct gp_log *log,
 /* Makes an object of a row, unknown cells left out. */
 json_t *gp_bench_json_row(const struct gp_bench_cell *c, int cells);
 
+/* Makes an object of a frame and its rows, as in the JSON of the table. */
+json_t *gp_bench_json_frame(const struct gp_bench_frame *f);
+
 /* Prints the table on stdout, up to 141 columns, and its legend, and writes it
  * to the files of `p`. With `-` as a file, only that file goes to stdout.
  * Errors: GP_ERR_IO; GP_ERR_BUG out of memory. */
@@ -149,7 +152,7 @@ GP_MUST_CHECK gp_status gp_bench_thin(const struct gp_log *log,
 
 /* bench with a light: the paper's table of two rows (masking, locking), grown.
  * *lit is false, and nothing is printed, where the job has a camera alone.
- * Errors: GP_ERR_USAGE a plot is asked for; those of reading and writing. A
+ * Errors: GP_ERR_USAGE a plot or page is asked for; those of reading and writing. A
  * method that cannot run is a row that says why. */
 GP_MUST_CHECK gp_status gp_bench_sun(const struct gp_log *log,
                                      const struct gp_bench_request *req,

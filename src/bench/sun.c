@@ -234,9 +234,11 @@ gp_status gp_bench_sun(const struct gp_log *log,
     *lit = b.lights || lights->needed || lights->lights || lights->file;
     if (!*lit)
         goto out;
-    if (p->plot)
-        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--plot: cannot plot the sun's table; "
-                       "use --csv or --json"));
+    if (p->plot || p->page)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "--%s: cannot show the sun's table; "
+                       "use --csv or --json",
+                       p->plot ? "plot" : "html"));
     if (!b.lights)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                "%s: no lights; add one, or give --sun",

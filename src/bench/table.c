@@ -294,34 +294,38 @@ static gp_status save_csv(const struct gp_log *log,
     return gp_bench_save_csv(log, path, c[0], rows, CELLS);
 }
 
+json_t *gp_bench_json_frame(const struct gp_bench_frame *f)
+{
+    json_t *const paper =
+        !f->paper
+            ? NULL
+            : json_pack("{ss ss si}", "gpu", "GeForce 7800 GTX", "rate",
+                        f->paper->rate, "frames_per_second", f->paper->fps);
+    json_t *const rows = json_array();
+    for (int k = 0; k < f->rows; k++) {
+        const struct gp_bench_row *const r = &f->row[k];
+        struct gp_bench_cell c[CELLS];
+        make_cells(f, r, c); // the input is named once, below
+        json_t *const row = gp_bench_json_row(c + 1, CELLS - 1);
+        if (!r->why[0] && strcmp(r->name, "auto") == 0)
+            json_object_set_new(row, "engine_why", gp_json_name(r->facts.why));
+        if (r->layer)
+            json_object_set_new(row, "layer", json_string(r->layer));
+        json_array_append_new(rows, row);
+    }
+    return json_pack("{so si si sI so s[ii] so* so}", "input",
+                     gp_json_name(f->input), "width", f->width, "height",
+                     f->height, "sources", (json_int_t) f->sources, "kernel",
+                     gp_json_name(f->kernel), "kernel_size", f->kernel_w,
+                     f->kernel_h, "paper", paper, "rows", rows);
+}
+
 static gp_status save_json(const struct gp_log *log,
                            const struct gp_bench_table *t, const char *path)
 {
     json_t *const frames = json_array();
-    for (int i = 0; i < t->frames; i++) {
-        const struct gp_bench_frame *const f = &t->frame[i];
-        json_t *const paper = !f->paper ? NULL : json_pack("{ss ss si}",
-            "gpu", "GeForce 7800 GTX", "rate", f->paper->rate,
-            "frames_per_second", f->paper->fps);
-        json_t *const rows = json_array();
-        for (int k = 0; k < f->rows; k++) {
-            const struct gp_bench_row *const r = &f->row[k];
-            struct gp_bench_cell c[CELLS];
-            make_cells(f, r, c); // the input is named once, below
-            json_t *const row = gp_bench_json_row(c + 1, CELLS - 1);
-            if (!r->why[0] && strcmp(r->name, "auto") == 0)
-                json_object_set_new(row, "engine_why",
-                                    gp_json_name(r->facts.why));
-            json_array_append_new(rows, row);
-        }
-        json_array_append_new(frames, json_pack(
-            "{so si si sI so s[ii] so* so}", "input", gp_json_name(f->input),
-            "width", f->width, "height", f->height,
-            "sources", (json_int_t) f->sources,
-            "kernel", gp_json_name(f->kernel),
-            "kernel_size", f->kernel_w, f->kernel_h,
-            "paper", paper, "rows", rows));
-    }
+    for (int i = 0; i < t->frames; i++)
+        json_array_append_new(frames, gp_bench_json_frame(&t->frame[i]));
     return gp_bench_save_json(log, json_pack("{so si si ss}", "frames", frames,
         "runs", t->runs, "threads", gp_threads(), "version", GP_VERSION), path);
 }
@@ -482,8 +486,8 @@ gp_status gp_bench_write(const struct gp_log *log,
         GP_TRY(save_json(log, t, p->json));
     if (p->plot)
         GP_TRY(save_plot(log, t, p->plot));
-    if (gp_is_dash(p->csv) || gp_is_dash(p->json) ||
-        gp_is_dash(p->plot))
+    if (gp_is_dash(p->csv) || gp_is_dash(p->json) || gp_is_dash(p->plot) ||
+        gp_is_dash(p->page))
         return GP_OK;
     print_table(t);
     st = gp_flush_stdout(log);

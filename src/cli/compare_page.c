@@ -286,23 +286,19 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
         p->n,
         false,
     };
-    char *path = NULL;
     void *block = p->kept;
     gp_status st = new.entry ? GP_OK : gp_no_memory(p->log, p->s->page.html);
     GP_TRY(st);
     if (!p->page) {
         char title[512];
-        path = gp_compare_page_name(p, e->frame);
-        if (!path)
-            GP_TRY(gp_no_memory(p->log, e->b));
         snprintf(title, sizeof title, "%s and %s",
                  gp_base_name(p->s->input.files.at[0]),
                  gp_base_name(p->s->input.files.at[1]));
-        GP_TRY(gp_page_make(p->log, p->s, "compare", title, "--html",
-                            p->s->page.html, &p->page));
+        GP_TRY(gp_page_make(p->log, p->s, "compare", title, p->s->page.html,
+                            &p->page));
         if (p->s->page.index && !p->index)
-            GP_TRY(gp_page_make(p->log, p->s, "index", title, "--html-index",
-                                p->s->page.index, &p->index));
+            GP_TRY(gp_page_make(p->log, p->s, "index", title, p->s->page.index,
+                                &p->index));
     }
     new.shown = f &&may_show(p, &new);
     if (f)
@@ -316,7 +312,6 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
     new.entry = NULL;
 out:
     json_decref(new.entry);
-    free(path);
     return st;
 }
 

@@ -2,7 +2,9 @@
 /* glarepp sets, and the command's side of glarepp bench: tables of times. */
 #include "cli/commands.h"
 #include "cli/listener.h"
+#include "cli/page/page.h"
 #include "cli/stages.h"
+#include "cli/words.h"
 #include "core/json.h"
 #include "io/file.h"
 
@@ -151,6 +153,8 @@ struct user {
     struct gp_run run;
     struct gp_job job;
     struct gp_frame_state state; // its planes
+    json_t *page;                // NULL: not wanted
+    struct gp_page_set set;      // pictures of the present frame
 };
 
 static void free_planes(struct user *u)
@@ -179,6 +183,82 @@ static gp_status give_planes(void *user, const struct gp_log *log,
     return gp_run_occluders(&u->run, &u->state);
 }
 
+/* Names a row's picture, and the command that makes it. */
+static json_t *about_row(const struct gp_log *log, const struct gp_settings *s,
+                         const char *row, const char *options)
+{
+    static const char bench[] = "glarepp bench";
+    const char *const *const in = s->input.files.at;
+    char *text = NULL;
+    if (!s->input.files.n)
+        return json_pack("{ss}", "name", row);
+    if (gp_command_text(log, s, in, 1, &text))
+        return NULL;
+    json_t *const o = json_pack("{ss so}", "name", row, "command",
+                                json_sprintf("glarepp %s -o out.png%s", options,
+                                             text + sizeof bench - 1));
+    free(text);
+    return o;
+}
+
+/* Adds a row's picture to the page, after the exact one. */
+static gp_status take_picture(void *user, const struct gp_log *log,
+                              const char *row, const char *options,
+                              const struct glarepp_image *picture,
+                              const struct glarepp_image *exact,
+                              const struct glarepp_image *flip)
+{
+    struct user *const u = user;
+    const struct glarepp_image *const image[] = {exact, picture};
+    struct gp_page_light light[2];
+    gp_status st = GP_OK;
+    for (int k = 0; k < 2; k++) {
+        const struct glarepp_rect d = image[k]->data;
+        light[k] = (struct gp_page_light) {
+            .data = {d.x0, d.y0, d.x1, d.y1},
+            .c = {image[k]->plane[0], image[k]->plane[1], image[k]->plane[2]},
+        };
+    }
+    if (!u->set.n) {
+        u->set.window = light[0].data;
+        GP_TRY(gp_page_set_add(log, &u->set,
+                               json_pack("{ss}", "name", "the exact sum"),
+                               &light[0], NULL, NULL));
+    }
+    GP_TRY(gp_page_set_add(log, &u->set, about_row(log, u->run.s, row, options),
+                           &light[1], &light[0], flip->plane[0]));
+out:
+    return st;
+}
+
+/* Adds a frame to the page. */
+static gp_status take_table(void *user, const struct gp_log *log, json_t *frame)
+{
+    enum { FRAMES = 3 }; // of --paper
+    struct user *const u = user;
+    const struct gp_settings *const s = u->run.s;
+    const size_t room = gp_page_room(s, 4);
+    json_t *const name = json_object_get(frame, "input"), *set = NULL;
+    json_t *const entry =
+        json_pack("{sO? sO sf so}", "label", s->bench.paper ? name : NULL,
+                  "table", json_object_get(frame, "rows"), "tolerance",
+                  (double) s->light.layer.tolerance, "notes", json_array());
+    gp_status st = GP_OK;
+    if (u->set.n) {
+        GP_TRY(gp_page_thumb(log, &u->set, 0, 110, &set));
+        json_object_set_new(entry, "thumb", set);
+        GP_TRY(gp_page_pack(log, &u->set, s->bench.paper ? room / FRAMES : room,
+                            &set));
+        json_object_set_new(entry, "set", set);
+    }
+    json_array_append(json_object_get(u->page, "entries"), entry);
+out:
+    json_decref(entry);
+    json_decref(frame);
+    gp_page_set_free(&u->set);
+    return st;
+}
+
 gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
                            const struct gp_settings *s, int *status)
 {
@@ -186,16 +266,37 @@ gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
                                                s->input.files.at[0] : NULL;
     const bool own = gp_option_given(s, "kernel");
     struct user user = {.run = {.s = s}, .job = {.input = input}};
+    struct gp_bench_params params = s->bench;
+    const char *const html = params.page = s->page.html;
     const struct gp_bench_request req = {
-        .params = &s->bench, .gp = gp, .input = input, .default_kernel = !own,
+        .params = &params,
+        .gp = gp,
+        .input = input,
+        .default_kernel = !own,
         .kernel_name = own ? s->kernel.words.at[0] : s->light.style,
-        .read = &s->input.read, .kernel = &s->kernel.p, .plan = &s->plan,
-        .user = &user, .describe = describe, .planes = give_planes,
+        .read = &s->input.read,
+        .kernel = &s->kernel.p,
+        .plan = &s->plan,
+        .user = &user,
+        .describe = describe,
+        .planes = give_planes,
+        .picture = take_picture,
+        .table = take_table,
     };
     (void) status;
     gp_status st = gp_output_guard_check(log, s, "input", input);
+    if (!st && html)
+        st =
+            gp_page_make(log, s, "bench", input ? gp_base_name(input) : "bench",
+                         html, &user.page);
     if (!st)
         st = gp_bench_run(log, &req);
+    if (!st && html) {
+        st = gp_page_save(log, html, user.page);
+        user.page = NULL;
+    }
+    json_decref(user.page);
+    gp_page_set_free(&user.set);
     free_planes(&user);
     return st;
 }

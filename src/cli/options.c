@@ -621,7 +621,7 @@ const struct gp_option gp_options[] = {
         "other, where they differ, and the figures, in one file; compare: of "
         "all frames, or one for each with a pattern"),
     OPT(page.index, .name = "html-index", COMPARE, .arg = "FILE", .once = true,
-        .help = "Write a page that lists the pages of --html, which is a "
+        .aside = true, .help = "Write a page that lists the pages of --html, which is a "
         "pattern"),
     OPT(page.megabytes, .name = "html-size", .group = GP_GROUP_REPORT,
         .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE | GP_COMMAND_STYLES,

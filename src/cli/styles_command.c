@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/commands.h"
 
+#include "cli/page/page.h"
 #include "cli/stages.h"
 #include "cli/words.h"
 #include "core/memory.h"
@@ -26,7 +27,17 @@ struct sheet {
     const char *caption;     // of a to z, spaces and dashes; cut where too long
     struct gp_report report; // with a line for each
     struct gp_planes planes; // display-linear, of the whole sheet; owned
+    bool page;               // pictures go into `set` too
+    char *command;           // of the present tile; owned
+    struct gp_page_set set;
 };
+
+static bool is_page(const char *path)
+{
+    char ending[8];
+    gp_file_ending(path, ending, sizeof ending);
+    return strcmp(ending, "html") == 0;
+}
 
 /* Pixels between tiles, and of a line of captions: letters of 5 x 7 dots, each
  * dot DOT x DOT pixels. */
@@ -149,7 +160,19 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
         }
     }
     draw_caption(s, left, top, s->caption);
-    return GP_OK;
+    if (!s->page)
+        return GP_OK;
+    const struct gp_page_light light = {
+        .data = f->data,
+        .c = {picture->c[0], picture->c[1], picture->c[2]},
+    };
+    s->set.window = f->data;
+    return gp_page_set_add(
+        log, &s->set,
+        json_pack("{ss so}", "name", s->caption, "command",
+                  json_sprintf("%s -o %s.png", s->command,
+                               s->i ? s->caption : "before")),
+        &light, NULL, NULL);
 }
 
 /* Runs the main job with `last`, "--option=value", after what was given. */
@@ -175,12 +198,17 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
             word[words++] = last;
     }
     GP_TRY(gp_options_parse(log, words, word, &one));
+    one.output.write.pages = true;
     GP_TRY(gp_jobs_make(log, &one, &jobs));
     if (jobs.n != 1)
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "
                        "%d); give one file, and one view of it",
                        s->input.files.at[0], jobs.n));
     jobs.taker = &taker;
+    free(sheet->command);
+    sheet->command = NULL;
+    GP_TRY(gp_command_text(log, &one, one.input.files.at, one.input.files.n,
+                           &sheet->command));
     gp_progress_open(&none, stderr, GP_PROGRESS_NEVER);
     st = gp_pipeline_run(log, gp, &one, &jobs, &none);
     gp_progress_close(&none);
@@ -193,6 +221,24 @@ out:
 
 // -- all of them --------------------------------------------------------------
 
+static gp_status write_page(const struct gp_log *log,
+                            const struct gp_settings *s,
+                            const struct sheet *sheet, const char *path)
+{
+    json_t *page = NULL, *set;
+    gp_status st;
+    GP_TRY(gp_page_make(log, s, "styles", gp_base_name(s->input.files.at[0]),
+                        path, &page));
+    GP_TRY(gp_page_pack(log, &sheet->set, gp_page_room(s, sheet->tiles), &set));
+    json_array_append_new(
+        json_object_get(page, "entries"),
+        json_pack("{so so}", "set", set, "notes", json_array()));
+    return gp_page_save(log, path, page);
+out:
+    json_decref(page);
+    return st;
+}
+
 static gp_status write_sheet(const struct gp_log *log,
     const struct gp_settings *s, const struct sheet *sheet)
 {
@@ -204,9 +250,12 @@ static gp_status write_sheet(const struct gp_log *log,
     char *command = NULL;
     gp_status st = gp_command_text(log, s, s->input.files.at, 1, &command);
     p.command = command;
-    for (int i = 0; i < s->output.pictures.n && !st; i++)
-        st = gp_write_picture(log, &p, s->output.pictures.at[i], &f,
-                              &sheet->planes, GP_PICTURE_SHOWN, &stats);
+    for (int i = 0; i < s->output.pictures.n && !st; i++) {
+        const char *const path = s->output.pictures.at[i];
+        st = is_page(path) ? write_page(log, s, sheet, path)
+                           : gp_write_picture(log, &p, path, &f, &sheet->planes,
+                                              GP_PICTURE_SHOWN, &stats);
+    }
     free(command);
     return st;
 }
@@ -229,6 +278,8 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
         sheet.tiles++;
     if (s->run.report)
         GP_TRY(gp_report_open(log, s->run.report, false, &sheet.report));
+    for (int i = 0; i < s->output.pictures.n; i++)
+        sheet.page |= is_page(s->output.pictures.at[i]);
     sheet.caption = "no glare";
     GP_TRY(make_tile(log, gp, s, (char []) {"--gain=0"}, &sheet));
     for (; style->name; style++) {
@@ -247,5 +298,7 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &sheet.report);
     gp_planes_free(&sheet.planes);
+    gp_page_set_free(&sheet.set);
+    free(sheet.command);
     return st ? st : closed;
 }

@@ -314,7 +314,9 @@ gp_status gp_write_check(const struct gp_log *log,
                          const struct gp_write_params *p, const char *path)
 {
     const struct target t = target_of(p, path);
-    const gp_status st = check_format(log, p, path, &t);
+    const gp_status st = p->pages && strcmp(t.ending, "html") == 0
+                             ? GP_OK
+                             : check_format(log, p, path, &t);
     return st ? st : gp_file_check(log, path, p->create_dir);
 }
 

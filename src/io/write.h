@@ -69,6 +69,8 @@ struct gp_write_params {
     enum gp_raw_format raw;     // with GP_STDOUT_RAW
     bool no_clobber, create_dir;
     bool fsync;                 // gp_file_sync()
+    bool pages; // gp_write_check() lets names in .html pass: the
+                // caller writes these
     bool converted;             // --hdr: not in the input's primaries any more
     const float *primaries;     // of what is converted, as in struct gp_frame;
                                 // NULL: not known

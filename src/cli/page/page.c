@@ -21,8 +21,8 @@ size_t gp_page_room(const struct gp_settings *s, int entries)
 }
 
 gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
-                       const char *kind, const char *title, const char *option,
-                       const char *path, json_t **out)
+                       const char *kind, const char *title, const char *path,
+                       json_t **out)
 {
     const struct gp_texts *const in = &s->input.files;
     char *command = NULL, *text = NULL;
@@ -30,8 +30,13 @@ gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
     gp_status st = gp_command_text(log, s, in->at, in->n, &command);
     FILE *const f = st ? NULL : open_memstream(&text, &size);
     if (f) {
-        fprintf(f, "%s %s", command, option);
-        gp_word_print(f, "", 0, gp_base_name(path));
+        fprintf(f, "%s %s", command, s->page.html ? "--html" : "-o");
+        gp_word_print(f, "", 0,
+                      gp_base_name(s->page.html ? s->page.html : path));
+        if (s->page.index)
+            fprintf(f, " --html-index");
+        if (s->page.index)
+            gp_word_print(f, "", 0, gp_base_name(s->page.index));
     }
     if (!st && (!f || fclose(f) != 0 || !text))
         st = gp_no_memory(log, path);

@@ -71,14 +71,13 @@ GP_MUST_CHECK gp_status gp_page_thumb(const struct gp_log *log,
 /* Bytes that --html-size leaves for the pictures of so many entries. */
 size_t gp_page_room(const struct gp_settings *s, int entries);
 
-/* Makes a page without entries.
- *   out  {"kind", "title", "version", "command", "entries": []}: the command line
- *        that makes it again, to which `option` and the name of `path` are added */
+/* Makes a page without entries, under the name of `path`.
+ *   out  {"kind", "title", "version", "command", "entries": []}; the command makes
+ *        it again */
 GP_MUST_CHECK gp_status gp_page_make(const struct gp_log *log,
                                      const struct gp_settings *s,
                                      const char *kind, const char *title,
-                                     const char *option, const char *path,
-                                     json_t **out);
+                                     const char *path, json_t **out);
 
 /* Writes a page, whose reference it takes; "-" is stdout.
  * Errors: GP_ERR_IO; GP_ERR_BUG out of memory, also for a NULL page. */

@@ -17,7 +17,7 @@ function make(tag, text, set = {}) {
 
 function number(v) {
   return v === null || v === undefined ? '–' : typeof v !== 'number' ? String(v)
-    : Number.isInteger(v) ? String(v) : String(+v.toPrecision(5));
+    : Number.isInteger(v) ? String(v) : Math.abs(v) < 1e-3 ? v.toExponential(2) : String(+v.toPrecision(5));
 }
 
 // -- numbers of pictures -------------------------------------------------------
@@ -95,7 +95,7 @@ const errorHeat = Uint32Array.from(errors, e => magma(position(Math.min(e, 1))))
 
 // -- state ----------------------------------------------------------------------
 
-const canvas = $('canvas'), paint = canvas.getContext('2d');
+const canvas = $('canvas'), paint = canvas.getContext('2d', {willReadFrequently: true});
 const state = {
   entry: 0, set: null, a: 0, b: 1, A: null, B: null, mode: 'wipe', ev: 0, gamma: 2.2,
   wipe: 0.5, zoom: 1, x: 0, y: 0, // image pixel in the middle, from the window's corner
@@ -389,6 +389,7 @@ function sortable(columns, rows) {
     r.cells.forEach((v, i) => {
       const cell = make(i ? 'td' : 'th', v instanceof Node ? undefined : number(v), i ? {} : {scope: 'row'});
       if (v instanceof Node) cell.append(v);
+      if (i && v instanceof Node) cell.className = 'text';
       if (typeof v === 'string') cell.className = 'text ' + (i ? v.replace(/^file /, '') : '');
       r.tr.append(cell);
     });
@@ -472,7 +473,7 @@ function showCommands() {
     const p = set.pictures[i], label = set.pictures.length > 2 ? `${name}, ${p.name}` : `${name}, ${p.file || p.name}`;
     if (p.command) command(label, p.command, list);
     else list.append(make('dt', label), make('dd', 'does not say which command made it'));
-    if (p.rounded) notes.push(`${name}: ${p.rounded} values were rounded to half floats, to 1 in 2048 of each; relative errors and FLIP are of the file's own`);
+    if (p.rounded) notes.push(`${name}: ${p.rounded} values were rounded to half floats, to 1 in 2048 of each; relative errors and FLIP are of those before`);
     if (p.clamped) notes.push(`${name}: ${p.clamped} values beyond 65504 are shown as 65504`);
     if (p.odd) notes.push(`${name}: ${p.odd} values are NaN or infinite`);
   }
@@ -492,7 +493,7 @@ function showBench(entry) {
   const rows = entry.table, svg = $('plot');
   $('bench').hidden = !rows;
   if (!rows) return;
-  const points = rows.filter(r => r.ms > 0 && r.rel_l2 !== undefined && !r.apart).map(r => ({r, x: Math.log10(r.ms), y: Math.log10(Math.max(r.rel_l2, 1e-10))}));
+  const points = rows.filter(r => r.ms > 0 && r.rel_l2 !== undefined && !r.layer).map(r => ({r, x: Math.log10(r.ms), y: Math.log10(Math.max(r.rel_l2, 1e-10))}));
   const limit = Math.log10(entry.tolerance), range = (list) => [Math.floor(Math.min(...list)), Math.floor(Math.max(...list)) + 1];
   const [x0, x1] = range([...points.map(p => p.x), 0]), [y0, y1] = range([...points.map(p => p.y), limit]);
   const x = v => 62 + (v - x0) / (x1 - x0) * 400, y = v => 370 - (v - y0) / (y1 - y0) * 350;
@@ -530,15 +531,20 @@ function showBench(entry) {
   $('table').firstElementChild.replaceChildren(sortable(columns, lines));
 }
 
-// Shows the picture of a row, and marks the row and its point.
-function choose(row) {
-  const {set} = state;
+// Marks a row and its point, if there is one of that name.
+function mark(name) {
   for (const r of page.entries[state.entry].table || []) {
-    r.node?.classList.toggle('chosen', r === row);
-    r === row ? r.line.tr.setAttribute('aria-current', 'true') : r.line.tr.removeAttribute('aria-current');
+    r.node?.classList.toggle('chosen', r.name === name);
+    if (r.name === name) r.line.tr.setAttribute('aria-current', 'true');
+    else r.line.tr.removeAttribute('aria-current');
   }
-  const i = set ? set.pictures.findIndex(p => p.row === row.name) : -1;
+}
+
+// Shows the picture of a row.
+function choose(row) {
+  const i = state.set ? state.set.pictures.findIndex(p => p.name === row.name) : -1;
   if (i >= 0) pick(0, i);
+  else mark(row.name);
 }
 
 // -- entries ---------------------------------------------------------------------------------
@@ -553,10 +559,18 @@ async function pick(a, b) {
   const without = !flip(), radio = document.querySelector('input[name=mode][value=flip]');
   radio.disabled = without;
   if (without && state.mode === 'flip') setMode('wipe');
+  mark(set.pictures[b].name);
   showCommands();
   expose();
   readPixel();
   document.body.dataset.ready = `${state.entry} ${a} ${b}`; // for tests
+}
+
+// How many pairs have each result.
+function tally() {
+  const count = {};
+  for (const e of page.entries) if (e.facts) count[e.facts.result] = (count[e.facts.result] || 0) + 1;
+  return page.entries.length < 2 ? [] : Object.entries(count).map(([k, n]) => make('span', `${n} ${k}, `, {class: k.replace('file ', '')}));
 }
 
 async function open(i) {
@@ -566,13 +580,14 @@ async function open(i) {
   document.querySelectorAll('#strip [aria-current]').forEach(n => n.removeAttribute('aria-current'));
   $('strip').querySelectorAll('.pair')[i]?.setAttribute('aria-current', 'true');
   $('showing').textContent = entry?.label ? `Pictures of ${entry.label}` : 'Pictures';
-  if (entry) { showFacts(entry); showBench(entry); }
+  if (entry && page.kind !== 'index') { showFacts(entry); showBench(entry); }
   showCommands();
-  const result = entry?.facts?.result;
-  $('verdict').replaceChildren(...(result ? [make('span', (entry.label ? entry.label + ': ' : '') + result, {class: result.replace('file ', '')}),
+  const result = page.kind !== 'index' && entry?.facts?.result;
+  $('verdict').replaceChildren(...tally(), ...(result ? [
+    make('span', (entry.label ? entry.label + ': ' : '') + result, {class: result.replace('file ', '')}),
     make('span', entry.facts.why ? ` (${entry.facts.why})` : '')] : []));
   if (!set) {
-    if (page.kind === 'compare' && result && !entry.facts.why)
+    if (several() && result && !entry.facts.why)
       $('notes').prepend(make('li', 'no pictures of this pair: the page has those of the worst, and figures of all; for this one compare it alone'));
     document.body.dataset.ready = `${i}`;
     return;
@@ -589,6 +604,8 @@ async function open(i) {
   await pick(0, Math.min(1, set.pictures.length - 1));
 }
 
+const several = () => page.entries.length > 1;
+
 async function showThumb(thumb, to) {
   const rgb = await inflate(thumb.rgb), image = new ImageData(thumb.w, thumb.h);
   for (let i = 0; i < thumb.w * thumb.h; i++) image.data.set([rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2], 255], 4 * i);
@@ -596,8 +613,8 @@ async function showThumb(thumb, to) {
 }
 
 function list() {
-  const several = page.entries.length > 1, index = page.kind === 'index', strip = $('strip').firstElementChild;
-  $('strip').hidden = !several && !index;
+  const index = page.kind === 'index', strip = $('strip').firstElementChild;
+  $('strip').hidden = !several() && !index;
   if ($('strip').hidden) return;
   const node = (e, i, text) => {
     const n = index ? make('a', text, {href: e.href.split('/').map(encodeURIComponent).join('/')}) : make('button', text, {type: 'button'});

@@ -303,6 +303,10 @@ static void commands(void **state)
         {"bench -- bench", GP_COMMAND_BENCH, 1, 0},
         {"-o a ./bench bench", GP_COMMAND_MAIN, 2, 0},
         {"compare a.exr b.exr --fail .5 --json j", GP_COMMAND_COMPARE, 2, 0},
+        {"compare a b --html p.####.html --html-index i --html-size .5",
+         GP_COMMAND_COMPARE, 2, 0},
+        {"bench i.exr --html b.html", GP_COMMAND_BENCH, 1, 0},
+        {"styles i.exr -o s.html --html-size 9", GP_COMMAND_STYLES, 1, 0},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
@@ -512,6 +516,9 @@ static const char *const wrong[][2] = {
     {"-o a i --group 1 --cluster 1", "--cluster: "},
     {"-o a i --csw", "--csw: "},
     {"bench --hdr a b", "--hdr: "},
+    {"compare a b --html p --html q", "--html: "},
+    {"compare a b --html-size 0.01", "--html-size: "},
+    {"bench i --html-index x", "--html-index: "},
     {"bench --papr", "did you mean --paper?"},
     {"bench a --runs 0", "--runs: "},
     {"bench a --runs 1001", "--runs: "},
