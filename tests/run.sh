@@ -103,7 +103,7 @@ chosen()
 first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
 first="$first|manual\.t|styles\.t|data\.t|bench\.t|determinism\.t|soak\.t|fuzz\.t"
 first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw|api-fail_nth"
-first="$first|page\.t|blender\.sh|compare\.t|engines\.t|glare-edges|scene-sets"
+first="$first|browser\.t|blender\.sh|compare\.t|engines\.t|glare-edges|scene-sets"
 tasks=()
 for check in $checks; do tasks+=("check $check $check"); done
 for test in tests/cli/*.t tests/page/*.t tests/blender.sh; do

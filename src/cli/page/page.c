@@ -33,10 +33,10 @@ gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
         fprintf(f, "%s %s", command, s->page.html ? "--html" : "-o");
         gp_word_print(f, "", 0,
                       gp_base_name(s->page.html ? s->page.html : path));
-        if (s->page.index)
+        if (s->page.index) {
             fprintf(f, " --html-index");
-        if (s->page.index)
             gp_word_print(f, "", 0, gp_base_name(s->page.index));
+        }
     }
     if (!st && (!f || fclose(f) != 0 || !text))
         st = gp_no_memory(log, path);

@@ -5,6 +5,7 @@
 
 const $ = id => document.getElementById(id);
 const page = JSON.parse($('data').textContent);
+const between = (v, least, most) => Math.min(Math.max(v, least), most);
 const still = matchMedia('(prefers-reduced-motion: reduce)');
 
 function make(tag, text, set = {}) {
@@ -82,16 +83,13 @@ const powers = [[-0.002136485, -0.000749655, -0.005386128], [0.251660541, 0.6775
   [52.17613981, -27.94360607, 12.94416944], [-50.76852536, 29.04658282, 4.23415299],
   [18.65570507, -11.48977352, -5.60196151]];
 function magma(t) {
-  t = Math.min(Math.max(t, 0), 1);
-  return [0, 1, 2].reduce((all, c) => {
-    const v = powers.reduceRight((sum, p) => sum * t + p[c], 0);
-    return all << 8 | Math.round(255 * Math.min(Math.max(v, 0), 1));
-  }, 0);
+  const v = c => powers.reduceRight((sum, p) => sum * between(t, 0, 1) + p[c], 0);
+  return [0, 1, 2].reduce((all, c) => all << 8 | Math.round(255 * between(v(c), 0, 1)), 0);
 }
 const heat = Uint32Array.from({length: 256}, (_, c) => magma(c / 255));
 const LEAST = 1e-7; // of the colours of relative errors; the most is 1
-const position = e => e > 0 ? 1 - Math.log10(e) / Math.log10(LEAST) : 0;
-const errorHeat = Uint32Array.from(errors, e => magma(position(Math.min(e, 1))));
+const errorColour = e => magma(e > 0 ? 1 - Math.log10(Math.min(e, 1)) / Math.log10(LEAST) : 0);
+const errorHeat = Uint32Array.from(errors, errorColour);
 
 // -- state ----------------------------------------------------------------------
 
@@ -134,12 +132,12 @@ function luminance(p, at) {
   return 0.2126 * floats[p.rgb[0][at]] + 0.7152 * floats[p.rgb[1][at]] + 0.0722 * floats[p.rgb[2][at]];
 }
 
-// Error of B against A at a sample: packed with one of the two where the other is
-// the first picture, else of the halfs.
+// Error of B against A at a sample: packed with B where A is the first picture, else
+// of the halfs.
+const packed = () => state.a === 0 && state.B.relative;
 function relative(at) {
-  const map = !state.a ? state.B.relative : null;
-  if (map) return errors[map[at]];
-  const a = luminance(state.A, at), b = luminance(state.B, at);
+  if (packed()) return errors[packed()[at]];
+  const [a, b] = [luminance(state.A, at), luminance(state.B, at)];
   return a === b ? 0 : Math.abs(a - b) / Math.abs(a);
 }
 const flip = () => state.a === 0 ? state.B.flip : state.b === 0 ? state.A.flip : null;
@@ -147,8 +145,7 @@ const flip = () => state.a === 0 ? state.B.flip : state.b === 0 ? state.A.flip :
 // Returns sample -> 0xrrggbb of what a mode shows.
 function shader(mode) {
   const {A, B} = state;
-  if (mode === 'relative')
-    return !state.a && B.relative ? at => errorHeat[B.relative[at]] : at => magma(position(Math.min(relative(at), 1)));
+  if (mode === 'relative') return packed() ? at => errorHeat[B.relative[at]] : at => errorColour(relative(at));
   if (mode === 'flip') { const map = flip(); return at => map ? heat[map[at]] : 0; }
   if (mode === 'absolute') {
     const gain = 2 ** state.ev, power = 1 / state.gamma;
@@ -180,7 +177,7 @@ function place(x, y) {
 function draw() {
   const set = state.set, w = canvas.width, h = canvas.height;
   if (!set || !state.A || !w || !h) return;
-  const n = Math.min(Math.max(Math.ceil(1 / state.zoom), 1), 4), cut = Math.round(state.wipe * w);
+  const n = between(Math.ceil(1 / state.zoom), 1, 4), cut = Math.round(state.wipe * w);
   const mode = state.mode === 'flicker' ? (state.odd ? 'b' : 'a') : state.mode;
   const two = mode === 'wipe' || mode === 'side';
   const left = shader(two ? 'a' : mode), right = two ? shader('b') : left;
@@ -274,37 +271,32 @@ function readPixel(aloud) {
   }));
   const map = flip(), most = mean ? ', the most of them' : '';
   $('pixel').textContent = `pixel ${state.px + set.x}, ${state.py + set.y}` + (at < 0 ? ': outside'
-    : (mean ? `: means of ${set.scale} × ${set.scale} pixels` : '') + `; relative error ${number(relative(at))}${most}` +
+    : (mean ? `: means of ${set.scale} × ${set.scale} pixels` : '') + `; relative error ${number(relative(at))}${packed() ? most : ''}` +
       (map ? `; FLIP ${(map[at] / 255).toFixed(3)}${most}` : ''));
   if (aloud) $('say').textContent = $('pixel').textContent + '; ' + rows.slice(0, 2).map(r => r.join(' ')).join('; ');
 }
 
 function point(x, y, aloud) {
-  state.px = Math.min(Math.max(x, 0), state.set.w - 1);
-  state.py = Math.min(Math.max(y, 0), state.set.h - 1);
+  [state.px, state.py] = [between(x, 0, state.set.w - 1), between(y, 0, state.set.h - 1)];
   readPixel(aloud);
 }
 
 // -- view ----------------------------------------------------------------------------
 
-function clampView() {
-  const {set} = state;
-  state.x = Math.min(Math.max(state.x, 0), set.w);
-  state.y = Math.min(Math.max(state.y, 0), set.h);
-}
-
-function zoomTo(zoom, x = state.x, y = state.y) {
-  const [w] = [half(0)[1]], fit = Math.min(w / state.set.w, canvas.height / state.set.h);
-  state.zoom = Math.min(Math.max(zoom, Math.min(fit, 1) / 2), 128 * state.dpr);
-  state.x = x;
-  state.y = y;
-  clampView();
+function moveTo(x, y) {
+  Object.assign(state, {x: between(x, 0, state.set.w), y: between(y, 0, state.set.h)});
   redraw();
 }
 
+function zoomTo(zoom, x = state.x, y = state.y) {
+  const fit = Math.min(half(0)[1] / state.set.w, canvas.height / state.set.h);
+  state.zoom = between(zoom, Math.min(fit, 1) / 2, 128 * state.dpr);
+  moveTo(x, y);
+}
+
 function fit() {
-  const {set} = state, w = half(0)[1];
-  zoomTo(Math.min(w / set.w, canvas.height / set.h, 64), set.w / 2, set.h / 2);
+  const {w, h} = state.set;
+  zoomTo(Math.min(half(0)[1] / w, canvas.height / h, 64), w / 2, h / 2);
 }
 
 // Zooms around a canvas pixel, or the middle.
@@ -337,41 +329,42 @@ function setMode(mode) {
   if (mode === 'flicker') timer = setInterval(() => { state.odd = !state.odd; redraw(); }, still.matches ? 2000 : 500);
   $('wipe').hidden = mode !== 'wipe';
   $('scale').hidden = mode !== 'relative' && mode !== 'flip';
-  $('low').textContent = mode === 'flip' ? '0' : LEAST;
-  $('high').textContent = mode === 'flip' ? '1 FLIP' : '1 relative error';
+  [$('low').textContent, $('high').textContent] = mode === 'flip' ? [0, '1 FLIP'] : [LEAST, '1 relative error'];
   if ((was === 'side') !== (mode === 'side') && state.set) state.zoom *= mode === 'side' ? 0.5 : 2;
   resize();
   redraw();
 }
 
 function setWipe(v) {
-  state.wipe = Math.min(Math.max(v, 0), 1);
+  state.wipe = between(v, 0, 1);
   $('wipe').value = Math.round(1000 * state.wipe);
   redraw();
 }
 
-function slide(id, name, delta) {
-  const input = $(id);
-  input.value = +input.value + delta;
-  state[name] = +input.value;
+function slide(id, delta) {
+  $(id).value = +$(id).value + delta;
+  state[id] = +$(id).value;
   expose();
 }
 
 // The exposure at which all but 1 in 200 samples of A are below white.
 function autoExposure() {
-  const bins = state.set.pictures[state.a].histogram.reduce((sum, b) => sum.map((v, i) => v + b[i]));
+  const bins = total(state.a);
   let above = bins.reduce((s, v) => s + v, 0) / 200, i = 61;
   while (i > 0 && (above -= bins[i]) > 0) i--;
-  slide('ev', 'ev', Math.min(Math.max(14.5 - i / 2, -16), 16) - state.ev);
+  slide('ev', between(14.5 - i / 2, -16, 16) - state.ev);
 }
 
+// The counts of a picture's half stops, of all channels.
+const total = i => state.set.pictures[i].histogram.reduce((sum, bins) => sum.map((v, k) => v + bins[k]));
+
 function histogram() {
-  const svg = $('histogram'), {set} = state;
-  if (!set) return;
-  const sums = [state.a, state.b].map(i => set.pictures[i].histogram.reduce((s, b) => s.map((v, k) => v + b[k])));
+  const svg = $('histogram');
+  if (!state.set) return;
+  const sums = [total(state.a), total(state.b)];
   const top = Math.log10(2 + Math.max(...sums.flat())), x = i => 10 + i * 10, y = v => 130 - 120 * Math.log10(1 + v) / top;
   const path = bins => bins.map((v, i) => `V${y(v).toFixed(1)}H${x(i + 1)}`).join('');
-  const white = x(Math.min(Math.max(30 - 2 * state.ev, 0), 62));
+  const white = x(between(30 - 2 * state.ev, 0, 62));
   svg.replaceChildren(make('svg:path', '', {class: 'fillB', d: `M10 130${path(sums[1])}V130Z`}),
     make('svg:path', '', {class: 'lineA', d: `M10 130${path(sums[0])}V130`}),
     make('svg:path', '', {class: 'white', d: `M${white} 5V135`}));
@@ -381,7 +374,7 @@ function histogram() {
 
 // -- tables ----------------------------------------------------------------------------
 
-// A table whose headings sort it: rows are {cells, node?, pick?, current?}.
+// A table whose headings sort it: of rows {cells}, to which it adds their `tr`.
 function sortable(columns, rows) {
   const table = make('table'), head = make('tr'), body = make('tbody');
   rows.forEach(r => {
@@ -413,24 +406,20 @@ function sortable(columns, rows) {
     th.append(button);
     head.append(th);
   });
-  const thead = make('thead');
-  thead.append(head);
-  table.append(thead, body);
+  table.append(make('thead'), body);
+  table.firstChild.append(head);
   return table;
 }
 
-function plainTable(caption, heads, rows) {
-  const table = make('table'), head = make('tr'), body = make('tbody'), thead = make('thead');
+function showTable(columns, rows) {
+  $('table').hidden = false;
+  $('table').firstElementChild.replaceChildren(sortable(columns, rows));
+}
+
+function titled(caption, columns, rows) {
   const box = make('div', undefined, {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption});
-  head.append(...heads.map(h => make('th', h, {scope: 'col'})));
-  thead.append(head);
-  body.append(...rows.map(r => {
-    const row = make('tr');
-    row.append(...r.map((v, i) => make(i ? 'td' : 'th', number(v), i ? {class: typeof v === 'string' ? 'text ' + v : ''} : {scope: 'row'})));
-    return row;
-  }));
-  table.append(make('caption', caption), thead, body);
-  box.append(table);
+  box.append(sortable(columns, rows.map(cells => ({cells}))));
+  box.firstChild.prepend(make('caption', caption));
   return box;
 }
 
@@ -442,9 +431,9 @@ function showFacts(entry) {
   const rows = plain.map(([k, v]) => [k, v === null ? 'inf' : v]);
   if (facts.worst) rows.push(['worst', `${facts.worst.x}, ${facts.worst.y}, ${facts.worst.channel}: ${number(facts.worst.a)} and ${number(facts.worst.b)}`]);
   if (facts.flip_exposures) rows.push(['flip_exposures', facts.flip_exposures.map(v => +v.toPrecision(4)).join(', ')]);
-  parts.push(plainTable('as --json has them', ['figure', 'value'], rows));
+  parts.push(titled('as --json has them', ['figure', 'value'], rows));
   if (entry.gates && entry.gates.length)
-    parts.push(plainTable('gates', ['gate', 'found', 'limit', 'of', 'status'],
+    parts.push(titled('gates', ['gate', 'found', 'limit', 'of', 'status'],
       entry.gates.map(g => [g.gate, g.found, g.limit === null ? 'any' : g.limit, g.of, g.status])));
   if (entry.channels) parts.push(make('p', `${entry.channels.length} channels: ${entry.channels.join(', ')}`));
   $('facts').replaceChildren(...parts);
@@ -521,22 +510,21 @@ function showBench(entry) {
     p.r.node = node;
     svg.append(node);
   }
-  const columns = ['name', 'ms', 'ms_first', 'rel_l2', 'max_rel', 'flip', 'bound', 'options'];
-  const lines = rows.map(r => {
+  const columns = ['name', 'ms', 'ms_first', 'rel_l2', 'max_rel', 'flip', 'bound', 'options'], lines = rows.map(r => {
     const pick = make('button', r.name, {type: 'button'});
     pick.onclick = () => choose(r);
     return r.line = {cells: [pick, ...columns.slice(1).map(c => c === 'options' ? make('span', r.why || r.options) : r[c] ?? null)]};
   });
-  $('table').hidden = false;
-  $('table').firstElementChild.replaceChildren(sortable(columns, lines));
+  showTable(columns, lines);
 }
+
+const current = (node, on) => on ? node.setAttribute('aria-current', 'true') : node.removeAttribute('aria-current');
 
 // Marks a row and its point, if there is one of that name.
 function mark(name) {
   for (const r of page.entries[state.entry].table || []) {
     r.node?.classList.toggle('chosen', r.name === name);
-    if (r.name === name) r.line.tr.setAttribute('aria-current', 'true');
-    else r.line.tr.removeAttribute('aria-current');
+    current(r.line.tr, r.name === name);
   }
 }
 
@@ -566,25 +554,26 @@ async function pick(a, b) {
   document.body.dataset.ready = `${state.entry} ${a} ${b}`; // for tests
 }
 
+const several = () => page.entries.length > 1;
+const coloured = (text, result) => make('span', text, {class: result.replace('file ', '')});
+
 // How many pairs have each result.
 function tally() {
   const count = {};
   for (const e of page.entries) if (e.facts) count[e.facts.result] = (count[e.facts.result] || 0) + 1;
-  return page.entries.length < 2 ? [] : Object.entries(count).map(([k, n]) => make('span', `${n} ${k}, `, {class: k.replace('file ', '')}));
+  return several() ? Object.entries(count).map(([k, n]) => coloured(`${n} ${k}, `, k)) : [];
 }
 
 async function open(i) {
   const entry = page.entries[i], set = entry?.set || null, was = state.set;
   Object.assign(state, {entry: i, set, A: null, B: null});
   $('viewer').hidden = !set;
-  document.querySelectorAll('#strip [aria-current]').forEach(n => n.removeAttribute('aria-current'));
-  $('strip').querySelectorAll('.pair')[i]?.setAttribute('aria-current', 'true');
+  document.querySelectorAll('#strip .pair').forEach((n, k) => current(n, k === i));
   $('showing').textContent = entry?.label ? `Pictures of ${entry.label}` : 'Pictures';
   if (entry && page.kind !== 'index') { showFacts(entry); showBench(entry); }
   showCommands();
   const result = page.kind !== 'index' && entry?.facts?.result;
-  $('verdict').replaceChildren(...tally(), ...(result ? [
-    make('span', (entry.label ? entry.label + ': ' : '') + result, {class: result.replace('file ', '')}),
+  $('verdict').replaceChildren(...tally(), ...(result ? [coloured((entry.label ? entry.label + ': ' : '') + result, result),
     make('span', entry.facts.why ? ` (${entry.facts.why})` : '')] : []));
   if (!set) {
     if (several() && result && !entry.facts.why)
@@ -603,8 +592,6 @@ async function open(i) {
   else point(set.w >> 1, set.h >> 1);
   await pick(0, Math.min(1, set.pictures.length - 1));
 }
-
-const several = () => page.entries.length > 1;
 
 async function showThumb(thumb, to) {
   const rgb = await inflate(thumb.rgb), image = new ImageData(thumb.w, thumb.h);
@@ -626,16 +613,15 @@ function list() {
     const map = make('canvas', undefined, {width: thumb.w, height: thumb.h, 'aria-hidden': 'true'});
     button.className = 'pair';
     button.append(map, make('span', e.label || e.facts?.b || e.name));
-    if (e.facts) button.append(make('span', e.facts.result, {class: e.facts.result.replace('file ', '')}));
+    if (e.facts) button.append(coloured(e.facts.result, e.facts.result));
     if (e.thumb) showThumb(e.thumb, map);
     item.append(button);
     strip.append(item);
   });
   if (!page.entries[0]?.facts) return;
   const columns = ['pair', 'result', 'flip', 'rel_l2', 'max_rel', 'max', 'failed'];
-  $('table').hidden = false;
-  $('table').firstElementChild.replaceChildren(sortable(columns, page.entries.map((e, i) => ({
-    cells: [node(e, i, e.label || e.facts.b), ...columns.slice(1).map(c => e.facts[c] ?? null)]}))));
+  showTable(columns, page.entries.map((e, i) => ({
+    cells: [node(e, i, e.label || e.facts.b), ...columns.slice(1).map(c => e.facts[c] ?? null)]})));
 }
 
 // -- input ---------------------------------------------------------------------------------------
@@ -653,15 +639,13 @@ function press(e) {
     const step = e.shiftKey ? 10 : 1;
     point(state.px + step * arrow[0], state.py + step * arrow[1], true);
     const [from, w] = half(0), far = (d, size) => Math.abs(d) > size / 2 / state.zoom - 1;
-    if (far(state.px - state.x, w - from)) state.x = state.px + 0.5;
-    if (far(state.py - state.y, canvas.height)) state.y = state.py + 0.5;
-    redraw();
+    moveTo(far(state.px - state.x, w - from) ? state.px + 0.5 : state.x, far(state.py - state.y, canvas.height) ? state.py + 0.5 : state.y);
   } else if (arrow && !arrow[1] && state.mode === 'wipe' && e.target === document.body) setWipe(state.wipe + arrow[0] / 100);
   else if (/^[1-8]$/.test(e.key)) setMode(modes[e.key - 1].value);
   else {
     const act = {'+': () => zoomBy(2), '=': () => zoomBy(2), '-': () => zoomBy(0.5), 0: fit, z: () => $('one').click(),
-      e: () => slide('ev', 'ev', -0.5), E: () => slide('ev', 'ev', 0.5), g: () => slide('gamma', 'gamma', -0.1),
-      G: () => slide('gamma', 'gamma', 0.1), a: autoExposure, x: () => pick(state.b, state.a),
+      e: () => slide('ev', -0.5), E: () => slide('ev', 0.5), g: () => slide('gamma', -0.1),
+      G: () => slide('gamma', 0.1), a: autoExposure, x: () => pick(state.b, state.a),
       w: () => $('worst').click(), r: () => $('region').click()}[e.key];
     if (!act) return;
     act();
@@ -685,11 +669,8 @@ function listen() {
     canvas.style.cursor = drag === 'wipe' || nearWipe(x) ? 'ew-resize' : '';
     if (drag === 'wipe') setWipe(x / canvas.width);
     else if (drag) {
-      state.x -= (x - drag[0]) / state.zoom;
-      state.y -= (y - drag[1]) / state.zoom;
+      moveTo(state.x - (x - drag[0]) / state.zoom, state.y - (y - drag[1]) / state.zoom);
       drag = [x, y];
-      clampView();
-      redraw();
     } else point(...place(x, y).map(Math.floor));
   };
   canvas.addEventListener('wheel', e => {
@@ -699,8 +680,7 @@ function listen() {
   }, {passive: false});
   canvas.onfocus = canvas.onblur = redraw;
   $('wipe').oninput = () => setWipe($('wipe').value / 1000);
-  $('ev').oninput = () => slide('ev', 'ev', 0);
-  $('gamma').oninput = () => slide('gamma', 'gamma', 0);
+  for (const id of ['ev', 'gamma']) $(id).oninput = () => slide(id, 0);
   $('modes').onchange = e => setMode(e.target.value);
   $('a').onchange = $('b').onchange = () => pick(+$('a').value, +$('b').value);
   $('auto').onclick = autoExposure;
@@ -728,6 +708,12 @@ $('map').getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(Array
 if (typeof DecompressionStream === 'undefined') {
   $('trouble').textContent = 'This browser cannot unpack the pictures (DecompressionStream): take one of 2023 or later. The figures are below.';
   page.entries.forEach(e => { delete e.set; delete e.thumb; });
+}
+for (const [mode, name] of Object.entries({wipe: 'slider', side: 'side by side', flicker: 'flicker', a: 'A', b: 'B',
+  absolute: '|A − B|', relative: 'relative', flip: 'FLIP'})) {
+  const label = make('label'), radio = make('input', undefined, {type: 'radio', name: 'mode', value: mode});
+  label.append(radio, ` ${name}`);
+  $('modes').append(label);
 }
 listen();
 list();

@@ -1,0 +1,50 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Pages of compare as files: names, sizes, markup. What they show: tests/page/browser.t.
+. "$(dirname "$0")/lib.sh"
+need_python
+
+frame seed.exr size=40x30 channels=R,G,B,A
+run compare --html no/page.html seed.exr seed.exr
+fails_with 4 no/page.html 'a page in no folder'
+run compare --html page.html --html-index index.html seed.exr seed.exr
+fails_with 64 index.html 'an index of one page'
+run compare --html seed.exr seed.exr seed.exr
+fails_with 64 seed.exr 'a page that would replace an input'
+run bench --sun 4,4,1 --mask A --html sun.html seed.exr
+fails_with 2 --html 'a page of the table of a sun'
+is "$(ls -- *.html 2>/dev/null)" '' 'nothing is left of them'
+
+run compare -q --html one.html --threads 1 seed.exr seed.exr
+run compare -q --html one3.html --threads 3 seed.exr seed.exr
+sed s/one3.html/one.html/ one3.html >three.html
+same one.html three.html 'a page is the same for 1 and 3 threads'
+run compare --html - seed.exr seed.exr
+sed 's/--html -/--html one.html/' out >piped.html
+same one.html piped.html 'a page on stdout, and nothing else'
+is "$(grep -oE "https?://[^'\"]*|(src|href)=.[^'\"]*" one.html | sort -u)" \
+    'href="data:,
+http://www.w3.org/2000/svg' 'a page names no other place'
+hash=$(sed -n '/^<script>/,/^<\/script>/p' one.html | sed '1s/^<script>//; $d' |
+    "$python" -c 'import base64, hashlib, sys
+print(base64.b64encode(hashlib.sha256(sys.stdin.buffer.read()).digest()).decode())')
+ok 'its policy allows its script, by the hash' grep -qF "script-src 'sha256-$hash'" one.html
+
+evil='<script>alert(1)<!--.exr'
+frame "$evil" size=8x8 'channels=R,G,B,</script><b>:half'
+run compare -q --html evil.html "$evil" "$evil"
+status_is 0 'names like markup: status 0'
+is "$(grep -c '<script' evil.html) $(grep -c '<!--\|<b>' evil.html)" '2 0' \
+    'names like markup are none on a page'
+
+frame noise.exr size=320x240 kind=dark
+frame other.exr size=320x240 kind=dark seed=2
+for size in 0.1 0.5; do
+    run compare -q --no-flip --html size.html --html-size $size noise.exr other.exr
+    ok "--html-size $size" [ "$(wc -c <size.html)" -le "${size#0.}00000" ]
+done
+for i in 1 2 3; do cp seed.exr s.$i.exr; done
+run compare -q --html 'p.#.html' --html-index index.html s.#.exr s.#.exr
+is "$(ls p.*.html index.html | tr '\n' ' ')" 'index.html p.1.html p.2.html p.3.html ' \
+    'a page for each frame, and their index'
+done_testing
