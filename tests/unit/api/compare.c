@@ -4,6 +4,8 @@
 
 #include "glarepp.h"
 
+#include <math.h>
+
 enum { W = 16, H = 9, PIXELS = W * H };
 
 static float grey[PIXELS], spot[PIXELS]; // 0.5; the same with 1.5 at (3, 2)
@@ -73,8 +75,9 @@ static void pictures(void **state)
     assert_int_equal(glarepp_open(NULL, &gp), GLAREPP_OK);
     assert_int_equal(glarepp_compare(gp, &p, &a, &b, &c), GLAREPP_OK);
     assert_false(glarepp_compare_facts(c)->lit);
-    assert_int_equal(glarepp_compare_view(c, -1, false, 1.0f, &v),
-                     GLAREPP_ERR_USAGE); // without light there is no FLIP
+    for (int pair = -3; pair < 0; pair++)
+        assert_int_equal(glarepp_compare_view(c, pair, false, 1.0f, &v),
+                         GLAREPP_ERR_USAGE); // without light there is no FLIP
     assert_null(v.plane[0]);
     assert_int_equal(glarepp_compare_view(c, 2, false, 1.0f, &v),
                      GLAREPP_ERR_USAGE);
@@ -90,6 +93,12 @@ static void pictures(void **state)
     assert_int_equal(glarepp_compare_view(c, -1, false, 1.0f, &v), GLAREPP_OK);
     const float *const red = v.plane[0];
     assert_true(red[2 * W + 3] > 2.0f * red[PIXELS - 1]);
+    glarepp_image_end(&v);
+    assert_int_equal(glarepp_compare_view(c, -2, false, 1.0f, &v), GLAREPP_OK);
+    double sum = 0.0;
+    for (int i = 0; i < PIXELS; i++)
+        sum += (double) ((float *) v.plane[0])[i];
+    assert_true(fabs(sum / PIXELS - glarepp_compare_facts(c)->flip) < 1e-6);
     glarepp_image_end(&v);
     glarepp_compare_end(&c);
     glarepp_close(&gp);
