@@ -68,7 +68,7 @@ struct gp_write_params {
     enum gp_stdout_format stdout_format;
     enum gp_raw_format raw;     // with GP_STDOUT_RAW
     bool no_clobber, create_dir;
-    bool fsync;                 // gp_file_sync()
+    bool fsync; // gp_file_sync()
     bool pages; // gp_write_check() lets names in .html pass: the
                 // caller writes these
     bool converted;             // --hdr: not in the input's primaries any more

@@ -20,30 +20,6 @@ struct reading {
     float *yc[3];             // RY, Y, BY before they are RGB
 };
 
-void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
-{
-    const exr_context_t exr = cs->input->exr;
-    exr_attr_box2i_t b;
-    exr_attr_chromaticities_t c; // in our order
-    f->data = (struct gp_rect) {cs->x0, cs->y0, cs->x0 + cs->w,
-                                cs->y0 + cs->h};
-    f->display = f->data;
-    if (!exr_get_display_window(exr, cs->part, &b))
-        f->display = (struct gp_rect) {b.min.x, b.min.y, b.max.x + 1,
-                                       b.max.y + 1};
-    if (exr_get_pixel_aspect_ratio(exr, cs->part, &f->pixel_aspect))
-        f->pixel_aspect = 1.0f;
-    memcpy(f->chromaticities, gp_rec709_chromaticities,
-           sizeof f->chromaticities);
-    if (!exr_attr_get_chromaticities(exr, cs->part, "chromaticities", &c)) {
-        memcpy(f->chromaticities, &c, sizeof f->chromaticities);
-        f->names_chromaticities = true;
-    }
-    gp_luminance_weights(f->chromaticities, f->luminance);
-    f->part = cs->part;
-    f->parts = cs->input->parts;
-}
-
 gp_status gp_exr_decode_full(const struct gp_log *log,
     const struct gp_exr_chunks *cs, bool numbers, float *const *to)
 {
