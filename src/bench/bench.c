@@ -27,8 +27,7 @@ struct bench {
     struct glarepp_plan *plan;   // of the truth
     struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
     struct glarepp_sense_facts sense;
-    struct gp_planes shown;      // exact composite, tone mapped; empty: no FLIP
-    double *ms;                  // of runs
+    struct gp_planes shown; // exact composite, tone mapped; empty: no FLIP
 };
 
 /* One technique on the frame. */
@@ -37,11 +36,14 @@ struct trial {
     struct glarepp_plan *plan;
     struct gp_log log;           // errors of GL go into row->why
     struct gp_bench_row *row;
+    gp_status st;             // of the runs
+    const struct trial *same; // an earlier one that computes the same
+    double *ms, total;        // of row->runs, owned; of all runs
 };
 
-/* A run's times, and the sources it had. */
+/* A run's time of bright pass and glare, and the sources it had. */
 struct run {
-    double sense_ms, glare_ms, ms; // of the two steps, of both
+    double ms;
     long long sources;
 };
 
@@ -87,8 +89,7 @@ static gp_status run_once(struct trial *t, const struct gp_frame *f,
     GP_TRY(glarepp_frame_run(frame, GLAREPP_LAYER));
     const double end = gp_now_ms();
     const struct glarepp_facts *const facts = glarepp_frame_facts(frame);
-    *r = (struct run) {middle - start, end - made,
-                       middle - start + end - made, facts->sense.sources};
+    *r = (struct run) {middle - start + end - made, facts->sense.sources};
     t->row->facts = facts->layer;
     GP_TRY(glarepp_frame_run(frame, GLAREPP_DONE));
     if (out) {
@@ -135,42 +136,67 @@ gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
     return GP_OK;
 }
 
-/* Runs some of the sources, twice: the first run makes the state. */
-static gp_status run_thinned(struct trial *t, int nth)
+double gp_bench_whole_ms(const double share[2], const double ms[2])
+{
+    const double each = (ms[1] - ms[0]) / (share[1] - share[0]);
+    return ms[1] + fmax(each, 0.0) * (1.0 - share[1]);
+}
+
+/* Runs one of `nth` blocks of the frame three times; *least is the fastest run but
+ * the first, whose sources are *share of all. */
+static gp_status run_part(struct trial *t, int nth, struct run *first,
+                          struct run *least, double *share)
 {
     gp_status st;
-    struct gp_bench_row *const row = t->row;
-    const struct bench *const b = t->b;
     struct gp_frame thin = {0};
-    struct run first, warm;
-    GP_TRY(gp_bench_thin(&t->log, b->f, nth, &thin));
-    GP_TRY(run_once(t, &thin, &first, NULL));
-    GP_TRY(run_once(t, &thin, &warm, NULL));
-    row->share = (double) warm.sources / (double) b->sense.sources;
-    if (warm.sources == 0)
-        goto out;
-    row->extrapolated = true;
-    row->runs = 1;
-    row->ms = warm.sense_ms + warm.glare_ms / row->share;
-    row->ms_min = row->ms_max = row->ms;
-    row->ms_first = row->ms + fmax(first.ms - warm.ms, 0.0);
-    row->polygons = (double) row->facts.polygons / row->share;
-    row->polygon_pixels = row->facts.polygon_pixels / row->share;
+    struct run r;
+    GP_TRY(gp_bench_thin(&t->log, t->b->f, nth, &thin));
+    GP_TRY(run_once(t, &thin, first, NULL));
+    GP_TRY(run_once(t, &thin, least, NULL));
+    if (least->ms < LONG_MS) {
+        GP_TRY(run_once(t, &thin, &r, NULL));
+        *least = r.ms < least->ms ? r : *least;
+    }
+    *share = (double) least->sources / (double) t->b->sense.sources;
 out:
     gp_frame_free(&thin);
     return st;
 }
 
-/* Whole runs, or thinned ones; *out is the frame of the last whole one. */
-static gp_status time_row(struct trial *t, const char *engine,
-                          struct glarepp_frame **out)
+/* Runs two parts of the sources, as what a run takes whatever they are would count
+ * ten times or a hundred. */
+static gp_status run_thinned(struct trial *t, int nth)
+{
+    gp_status st;
+    struct gp_bench_row *const row = t->row;
+    struct run first, later, part[2];
+    double share[2];
+    GP_TRY(run_part(t, 10 * nth, &first, &part[0], &share[0]));
+    GP_TRY(run_part(t, nth, &later, &part[1], &share[1]));
+    if (!(share[1] > share[0]))
+        goto out;
+    const double ms[2] = {part[0].ms, part[1].ms};
+    row->share = share[1];
+    row->extrapolated = true;
+    row->runs = 1;
+    row->ms = row->ms_min = row->ms_max = gp_bench_whole_ms(share, ms);
+    row->ms_first = row->ms + fmax(first.ms - part[0].ms, 0.0);
+    row->polygons = (double) row->facts.polygons / row->share;
+    row->polygon_pixels = row->facts.polygon_pixels / row->share;
+out:
+    return st;
+}
+
+/* The first run, or thinned ones; *out is the frame of a whole one. */
+static gp_status run_first(struct trial *t, const char *engine,
+                           struct glarepp_frame **out)
 {
     const struct bench *const b = t->b;
     struct gp_bench_row *const row = t->row;
     const long long sources = b->sense.sources;
     // auto chooses what is fast; the work of fft does not grow with the sources
     const bool grows =
-        strcmp(engine, "auto") != 0 && strcmp(engine, "fft") != 0;
+        strcmp(engine, "direct") == 0 || strcmp(engine, "splat") == 0;
     gp_status st = GP_OK;
     if (grows && sources > MANY)
         st = run_thinned(t, sources > 10 * MANY ? 100 : 10);
@@ -179,25 +205,48 @@ static gp_status time_row(struct trial *t, const char *engine,
         return st;
     }
     row->extrapolated = false; // faster than that
+    row->runs = 0;
     struct run r;
     st = run_once(t, b->f, &r, out);
-    double total = row->ms_first = b->ms[0] = r.ms;
-    int n = 0;
-    while (!st && n < b->req->params->runs && total < ROW_MS) {
-        glarepp_frame_end(out);
-        st = run_once(t, b->f, &r, out);
-        total += b->ms[n++] = r.ms;
+    t->total = row->ms_first = t->ms[0] = r.ms; // the only one if it is long
+    return st;
+}
+
+/* Tests whether a trial has a run to come. */
+static bool has_turn(const struct trial *t)
+{
+    return !t->st && !t->same && !t->row->extrapolated && t->total < ROW_MS &&
+           t->row->runs < t->b->req->params->runs;
+}
+
+/* Runs a trial once more; one that has no further turn gives back its memory. */
+static void take_turn(struct trial *t)
+{
+    struct run r;
+    if (has_turn(t)) {
+        t->st = run_once(t, t->b->f, &r, NULL);
+        t->total += t->ms[t->row->runs++] = r.ms;
     }
-    if (st)
-        return st;
-    row->runs = n > 0 ? n : 1; // the first took so long that it is the only one
-    row->ms = gp_bench_median(b->ms, row->runs);
-    row->ms_min = b->ms[0];
-    row->ms_max = b->ms[row->runs - 1];
-    row->polygons = (double) row->facts.polygons;
-    row->polygon_pixels = row->facts.polygon_pixels;
-    row->bound = row->facts.bound;
-    return GP_OK;
+    if (!has_turn(t))
+        glarepp_plan_end(&t->plan);
+}
+
+/* Finds the row's median, and its facts of whole runs. */
+static void end_runs(struct trial *t)
+{
+    struct gp_bench_row *const row = t->row;
+    if (t->same) {
+        row->same = t->same->row->name;
+        row->runs = t->same->row->runs;
+        row->ms = t->same->row->ms;
+        row->ms_min = t->same->row->ms_min;
+        row->ms_max = t->same->row->ms_max;
+    } else if (!t->st && !row->extrapolated) {
+        row->runs = row->runs > 0 ? row->runs : 1;
+        row->ms = gp_bench_median(t->ms, row->runs);
+        row->ms_min = t->ms[0];
+        row->ms_max = t->ms[row->runs - 1];
+    }
 }
 
 // -- errors -------------------------------------------------------------------
@@ -211,43 +260,6 @@ static gp_status show(struct glarepp_frame *frame, struct glarepp_image *out)
     GP_TRY(glarepp_frame_run(frame, GLAREPP_DONE));
     GP_TRY(glarepp_frame_view(frame, GLAREPP_SHOWN, 0, out));
 out:
-    return st;
-}
-
-/* Compares a picture with the exact one, by FLIP, whose map *map becomes where that
- * is not NULL, or as light. */
-static gp_status compare_views(const struct bench *b,
-                               const struct glarepp_image *exact,
-                               const struct glarepp_image *picture, bool shown,
-                               struct glarepp_compare_facts *out,
-                               struct glarepp_image *map)
-{
-    static const char *const names[] = {"R", "G", "B"};
-    const struct glarepp_image *const image[2] = {exact, picture};
-    struct glarepp_compare_params p = GLAREPP_COMPARE_PARAMS;
-    struct glarepp_channel channel[2][3];
-    struct glarepp_stored pair[2];
-    struct glarepp_compare *c = NULL;
-    for (int k = 0; k < 2; k++) {
-        pair[k] = (struct glarepp_stored) {
-            .size = sizeof *pair, .data = image[k]->data,
-            .channel = channel[k], .channels = 3, .integers = shown,
-            .primaries = shown ? NULL : image[k]->primaries,
-        };
-        for (int i = 0; i < 3; i++) {
-            pair[k].light[i] = image[k]->plane[i];
-            channel[k][i] = (struct glarepp_channel) {
-                names[i], image[k]->plane[i], false};
-        }
-    }
-    p.flip = shown;
-    gp_status st =
-        (gp_status) glarepp_compare(b->req->gp, &p, &pair[0], &pair[1], &c);
-    if (!st)
-        *out = *glarepp_compare_facts(c);
-    if (!st && map)
-        st = (gp_status) glarepp_compare_view(c, -2, false, 1.0f, map);
-    glarepp_compare_end(&c);
     return st;
 }
 
@@ -270,8 +282,8 @@ static gp_status measure_error(const struct bench *b,
         exact = picture;
         for (int k = 0; k < 3; k++)
             exact.plane[k] = b->shown.c[k];
-        GP_TRY(compare_views(b, &exact, &picture, true, &facts,
-                             page ? &map : NULL));
+        GP_TRY(gp_bench_compare(b->req->gp, &exact, &picture, true, &facts,
+                                page ? &map : NULL));
         row->flip = facts.flip;
         if (page)
             GP_TRY(b->req->picture(b->req->user, b->log, row->name,
@@ -282,155 +294,97 @@ out:
     return st;
 }
 
-static gp_status run_technique(struct bench *b,
-    const struct gp_bench_technique *technique, struct gp_bench_row *row)
+/* Makes a technique's plan, runs it once, and measures its error. */
+static gp_status begin_trial(struct bench *b,
+                             const struct gp_bench_technique *technique,
+                             struct trial *t)
 {
-    struct trial t = {
-        .b = b, .row = row,
-        .log = {gp_bench_keep_why, row->why, GP_LEVEL_ERROR},
-    };
+    struct gp_bench_row *const row = t->row;
     struct glarepp_frame *frame = NULL;
-    gp_status st = make_plan(b, technique, &t.plan);
+    gp_status st = gp_alloc(b->log, "times", (size_t) b->req->params->runs + 1,
+                            sizeof *t->ms, &t->ms);
+    if (st)
+        return st;
+    st = make_plan(b, technique, &t->plan);
     if (!st)
-        st = time_row(&t, technique->engine, &frame);
-    if (!st && frame && !row->extrapolated)
+        st = run_first(t, technique->engine, &frame);
+    if (!st && frame) {
+        row->polygons = (double) row->facts.polygons;
+        row->polygon_pixels = row->facts.polygon_pixels;
+        row->bound = row->facts.bound;
         st = measure_error(b, frame, row);
+    }
     // the renderer's name goes with its context
     snprintf(row->gl, sizeof row->gl, "%s", row->facts.gl ? row->facts.gl : "");
-    row->facts.gl = row->gl;
     glarepp_frame_end(&frame);
-    glarepp_plan_end(&t.plan);
+    t->st = st;
+    return GP_OK;
+}
+
+/* Tests whether a row of `auto` is a computation that another row has, too. */
+static bool is_same(const struct gp_bench_row *a, const struct gp_bench_row *b)
+{
+    return a->measured && b->measured &&
+           strcmp(a->facts.engine, b->facts.engine) == 0 &&
+           a->facts.in_double == b->facts.in_double &&
+           memcmp(&a->error, &b->error, sizeof a->error) == 0;
+}
+
+static gp_status end_trial(struct trial *t)
+{
+    struct gp_bench_row *const row = t->row;
+    const struct gp_log *const log = t->b->log;
+    const gp_status st = t->st;
+    end_runs(t);
+    row->facts.gl = row->gl;
     if (!st)
         row->why[0] = '\0'; // written for a context that another replaced
     else if (!row->why[0])
         snprintf(row->why, sizeof row->why, "%s", gp_status_text(st));
     // a technique that cannot run here is a row, not an error of bench
     if (st && st != GP_ERR_GL && st != GP_ERR_USAGE)
-        return gp_fail(b->log, st, "%s: %s", row->name, row->why);
+        return gp_fail(log, st, "%s: %s", row->name, row->why);
     if (st)
-        gp_say(b->log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name,
-               row->why);
+        gp_say(log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name, row->why);
     else if (row->extrapolated)
-        gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, extrapolated", row->name,
+        gp_say(log, GP_LEVEL_INFO, "%s: %.3g ms, extrapolated", row->name,
                row->ms);
     else
-        gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
+        gp_say(log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
                row->ms, row->error.rel_l2);
     return GP_OK;
 }
 
-// -- flare of bright pixels, and ghosts of a lens ------------------------------
-
-/* A layer that is no engine's of the kernel: its row, and how its truth is made. */
-static const struct extra {
-    const char *name, *options, *layer;
-    enum glarepp_step step;
-    int detail, true_detail;       // of a lens
-} extras[] = {
-    {"flare of bright pixels", "--flare", "flare", GLAREPP_FLARE, 0, 0},
-    {"lens, of many lights", "--lens", "lens", GLAREPP_LENS, 1, 3},
-    {"lens, of up to 8 lights", "--lens --lights", "lens", GLAREPP_LENS, 2, 3},
-};
-enum { EXTRAS = sizeof extras / sizeof *extras };
-
-/* Makes the plan of an extra layer, or of its truth. */
-static gp_status plan_extra(const struct bench *b, const struct extra *e,
-                            bool exact, struct glarepp_plan **out)
+/* Measures n techniques, of which each run of one is followed by one of the next;
+ * their rows are named. */
+static gp_status run_techniques(struct bench *b,
+                                const struct gp_bench_technique *technique,
+                                int n, struct gp_bench_row *row)
 {
-    struct glarepp_plan_params p = *b->req->plan;
-    struct glarepp_layer_params layer = *p.layer;
-    struct glarepp_lens_params lens = GLAREPP_LENS_PARAMS;
-    if (p.lens)
-        lens = *p.lens;
-    lens.detail = exact ? e->true_detail : e->detail;
-    layer.mix = GLAREPP_ADD;
-    if (exact && e->step == GLAREPP_FLARE) {
-        layer.engine = "fft";
-        layer.in_double = true;
+    struct trial trial[GP_BENCH_ROWS] = {{0}};
+    gp_status st = GP_OK;
+    for (int i = 0; i < n; i++) {
+        struct trial *const t = &trial[i];
+        *t = (struct trial) {
+            .b = b,
+            .row = &row[i],
+            .log = {gp_bench_keep_why, row[i].why, GP_LEVEL_ERROR},
+        };
+        GP_TRY(begin_trial(b, &technique[i], t));
+        for (int k = 0; k < i && strcmp(technique[i].engine, "auto") == 0;
+             k++) {
+            if (!t->same && !t->st && is_same(&row[k], &row[i]))
+                t->same = &trial[k];
+        }
     }
-    p.kernel = b->kernel;
-    p.layer = &layer;
-    p.lights = e->step == GLAREPP_FLARE ? p.lights : NULL;
-    p.lens = e->step == GLAREPP_LENS ? &lens : NULL;
-    p.scene = NULL;
-    return (gp_status) glarepp_plan(b->req->gp, &p, out);
-}
-
-/* Draws one; *ms is the time of the step. */
-static gp_status draw_extra(const struct bench *b, const struct extra *e,
-    struct glarepp_plan *plan, struct glarepp_frame **out, double *ms)
-{
-    struct glarepp_frame_params p = b->params;
-    gp_status st;
-    p.image = gp_frame_view(b->f, &b->f->rgb);
-    GP_TRY(glarepp_frame(plan, &p, out));
-    GP_TRY(glarepp_frame_run(*out, GLAREPP_SENSE));
-    const double start = gp_now_ms();
-    GP_TRY(glarepp_frame_run(*out, e->step));
-    *ms = gp_now_ms() - start;
-    GP_TRY(glarepp_frame_run(*out, GLAREPP_DONE));
+    for (int i = 0; i < n * b->req->params->runs; i++)
+        take_turn(&trial[i % n]);
+    for (int i = 0; i < n; i++)
+        GP_TRY(end_trial(&trial[i]));
 out:
-    return st;
-}
-
-/* Measures layers against exact ones, and composites, if light is added. */
-static gp_status compare_extra(const struct bench *b,
-    struct glarepp_frame *frame[2], struct glarepp_errors *out)
-{
-    struct glarepp_image view[2];
-    struct glarepp_compare_facts f;
-    gp_status st;
-    for (int k = 0; k < 2; k++)
-        GP_TRY(glarepp_frame_view(frame[k], GLAREPP_GLARE, 0, &view[k]));
-    GP_TRY(compare_views(b, &view[1], &view[0], false, &f, NULL));
-    out->rel_l2 = f.rel_l2;
-    out->max_abs = f.max;
-    for (int k = 0; k < 2; k++) {
-        GP_TRY(glarepp_frame_run(frame[k], GLAREPP_COMPOSE));
-        GP_TRY(glarepp_frame_run(frame[k], GLAREPP_DONE));
-        GP_TRY(glarepp_frame_view(frame[k], GLAREPP_LIT, 0, &view[k]));
-    }
-    GP_TRY(compare_views(b, &view[1], &view[0], false, &f, NULL));
-    out->max_rel = f.max_rel;
-out:
-    return st;
-}
-
-static gp_status run_extra(struct bench *b, const struct extra *e,
-                           struct gp_bench_row *row)
-{
-    struct glarepp_plan *plan[2] = {NULL, NULL};
-    struct glarepp_frame *frame[2] = {NULL, NULL};
-    double took, total = 0.0;
-    int runs = 0;
-    gp_status st;
-    for (int k = 0; k < 2; k++)
-        GP_TRY(plan_extra(b, e, k == 1, &plan[k]));
-    GP_TRY(draw_extra(b, e, plan[1], &frame[1], &took));
-    for (int i = 0; i <= b->req->params->runs && (i < 2 || total < ROW_MS);
-         i++) {
-        glarepp_frame_end(&frame[0]);
-        GP_TRY(draw_extra(b, e, plan[0], &frame[0], &took));
-        total += took;
-        if (i == 0)
-            row->ms_first = took;
-        else
-            b->ms[runs++] = took;
-    }
-    row->runs = runs;
-    row->ms = gp_bench_median(b->ms, runs);
-    row->ms_min = b->ms[0];
-    row->ms_max = b->ms[runs - 1];
-    row->bound = e->step == GLAREPP_FLARE
-                     ? glarepp_frame_facts(frame[0])->flare.bound : (double) NAN;
-    GP_TRY(compare_extra(b, frame, &row->error));
-    row->measured = true;
-    gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
-           row->ms, row->error.rel_l2);
-out:
-    for (int k = 0; k < 2; k++) {
-        glarepp_frame_end(&frame[k]);
-        glarepp_plan_end(&plan[k]);
+    for (int i = 0; i < n; i++) {
+        glarepp_plan_end(&trial[i].plan);
+        gp_free(trial[i].ms);
     }
     return st;
 }
@@ -492,7 +446,9 @@ static gp_status measure_angles(const struct bench *plain,
     b.shown = (struct gp_planes) {0};
     GP_TRY(make_truth(&b));
     const char *const by = glarepp_frame_facts(b.truth)->kernel.projection;
-    for (int i = 0; i < 2 && by && strcmp(by, "plane") != 0; i++) {
+    if (!by || strcmp(by, "plane") == 0)
+        goto out;
+    for (int i = 0; i < 2; i++) {
         struct gp_bench_row *const row = &out->row[out->rows++];
         *row = (struct gp_bench_row) {
             .name = ways[i].name,
@@ -503,9 +459,9 @@ static gp_status measure_angles(const struct bench *plain,
         };
         snprintf(row->options, sizeof row->options, "-e fft --projection %s",
                  i ? "plane" : by);
-        GP_TRY(run_technique(&b, &ways[i], row));
-        row->bound = i ? NAN : row->bound; // it is a plane's
     }
+    GP_TRY(run_techniques(&b, ways, 2, &out->row[out->rows - 2]));
+    out->row[out->rows - 1].bound = NAN; // it is a plane's
 out:
     end_truth(&b);
     return st;
@@ -516,8 +472,6 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
 {
     const struct glarepp_plan_params *const plan = b->req->plan;
     gp_status st;
-    GP_TRY(gp_alloc(b->log, "times", (size_t) b->req->params->runs + 1,
-                    sizeof *b->ms, &b->ms));
     GP_TRY(make_truth(b));
     out->width = gp_frame_w(b->f);
     out->height = gp_frame_h(b->f);
@@ -537,37 +491,24 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
         };
         gp_bench_options(technique, plan->layer->tolerance, row->options,
                          sizeof row->options);
-        if (!b->sense.sources) {
+        // the layer by the kernel's core and its far field is auto's
+        if (kernel->grid && strcmp(technique->engine, "direct") == 0)
+            row->name = "direct, whole kernel";
+        if (b->sense.sources)
+            row->why[0] = '\0';
+        else
             gp_say(b->log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name,
                    row->why);
-            continue;
-        }
-        row->why[0] = '\0';
-        GP_TRY(run_technique(b, technique, row));
     }
+    if (b->sense.sources)
+        GP_TRY(run_techniques(b, gp_bench_techniques, out->rows, out->row));
     if (b->sense.sources && plan->projection != GLAREPP_PLANE)
         GP_TRY(measure_angles(b, out));
-    for (int i = 0; i < EXTRAS; i++) {
-        const struct extra *const e = &extras[i];
-        struct gp_bench_row *const row = &out->row[out->rows];
-        if (e->step == GLAREPP_FLARE ? !plan->lights || !plan->lights->flare
-                                     : !plan->lens || !plan->lens->lens)
-            continue;
-        out->rows++;
-        *row = (struct gp_bench_row) {
-            .name = e->name, .layer = e->layer, .share = 1.0, .bound = NAN,
-            .flip = NAN, .why = "no pixel is over the threshold",
-        };
-        snprintf(row->options, sizeof row->options, "%s", e->options);
-        if (!b->sense.sources)
-            continue;
-        row->why[0] = '\0';
-        GP_TRY(run_extra(b, e, row));
-    }
+    GP_TRY(gp_bench_extras(b->log, b->req, b->kernel, &b->params,
+                           b->sense.sources > 0, out));
     gp_bench_mark_pareto(out);
 out:
     end_truth(b);
-    GP_FREE(b->ms);
     return st;
 }
 
@@ -643,6 +584,9 @@ gp_status gp_bench_run(const struct gp_log *log,
         if (!out->input || !out->kernel)
             GP_TRY(gp_no_memory(log, f.path));
         GP_TRY(measure_frame(&b, out));
+        if (!paper)
+            GP_TRY(gp_bench_whole_run(log, req, b.kernel, &f, &b.params,
+                                      &out->whole));
         if (p->page)
             GP_TRY(req->table(req->user, log, gp_bench_json_frame(out)));
         gp_frame_free(&f);

@@ -6,6 +6,7 @@
 #include "core/status.h"
 #include "glarepp.h"
 #include "io/read.h"
+#include "io/write.h"
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -27,6 +28,7 @@ struct gp_bench_request {
     bool default_kernel;       // no --kernel: --paper brings its own
     const char *kernel_name;
     const struct gp_read_params *read;
+    const struct gp_write_params *write;
     const struct glarepp_kernel_params *kernel;
     const struct glarepp_plan_params *plan; // of the main job, but for its
                                // kernel; sense, layer, lights and tone are there
@@ -51,7 +53,9 @@ struct gp_bench_request {
 /* Measures every technique on the input's one frame, or on the paper's three;
  * prints the table on stdout and writes it to the files that params names. A
  * technique's time goes from cleaned frame to layer: bright pass and glare
- * stage. With `-` as a file, only that file goes to stdout.
+ * stage. Rows take turns, so that what else the machine does slows all of them.
+ * With `-` as a file, only that file goes to stdout. A frame of a file has a
+ * table of the whole run, too: read, glare, and each way to write it.
  *
  * With lights the table compares methods of measuring their visibility: exact,
  * readback, masks of 4 to 64 texels a side, disc and square, summed in float and

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The parts of bench: its table, the paper's frames, the plot, the sun's. */
+/* The parts of bench: its table, the paper's frames, the plot, the sun's, the whole
+ * run. */
 #ifndef GP_BENCH_BENCH_PRIV_H
 #define GP_BENCH_BENCH_PRIV_H
 
@@ -84,7 +85,41 @@ struct gp_bench_row {
     struct glarepp_errors error;
     double flip;               // mean LDR-FLIP; NaN: not defined
     const char *layer;         // "angles", "flare", "lens"; NULL: the kernel's
-    bool pareto;               // no row of the layer is both faster and nearer
+    const char *same;          // auto: the row that computes the same, whose
+                               // times it has; or NULL
+    bool pareto; // no row of the layer is nearer and surely faster
+};
+
+/* Measures of an error, and limits that a user may have for it. */
+enum { GP_BENCH_BY = 3, GP_BENCH_WITHIN = 4 };
+extern const char
+    *const gp_bench_by[GP_BENCH_BY]; // "rel_l2", "max_rel", "flip"
+extern const double gp_bench_within[GP_BENCH_WITHIN];
+
+/* The row's error by measure `by`; NaN: not known. */
+double gp_bench_error(const struct gp_bench_row *r, int by);
+
+/* A way to write the frame. */
+struct gp_bench_output {
+    const char *format; // "EXR", "EXR, lossy", "PNG"
+    char options[40];
+    enum gp_compression compression; // of EXR
+    int png_level;
+    double *ms, total; // of `runs`, and of all; scratch
+    double median, least, most;
+    int runs; // fewer than asked for where they are long
+    long long bytes;
+    bool usual;             // the job does so without options
+    bool pareto;            // none of the format is smaller and surely faster
+    char why[GP_BENCH_WHY]; // reason that it cannot; "": it can
+};
+
+/* A frame's way from file to file, in milliseconds, and its ends. */
+struct gp_bench_whole {
+    double read_ms;           // NaN: a pipe
+    double glare_ms, tone_ms; // bright pass to layer; compose and tone map
+    struct gp_bench_output output[11 + GP_PNG_LEVELS + 1];
+    int outputs; // 0: not measured
 };
 
 /* All techniques on one frame. */
@@ -98,6 +133,8 @@ struct gp_bench_frame {
     const struct gp_paper_rate *paper; // or NULL
     struct gp_bench_row row[GP_BENCH_MOST];
     int rows;
+    int choice[GP_BENCH_BY][GP_BENCH_WITHIN]; // the fastest row; -1: none
+    struct gp_bench_whole whole;
 };
 
 struct gp_bench_table {
@@ -108,7 +145,9 @@ struct gp_bench_table {
 void gp_bench_table_free(struct gp_bench_table *t);
 
 /* Sets `pareto` of each row: those that are measured, and than which none is
- * both at most as slow and at most as wrong, and better in one. */
+ * both at most as slow and at most as wrong, and better in one. As times differ
+ * from run to run, a row is slower than another only when its fastest run is
+ * slower than the other's median. Finds the choices, too. */
 void gp_bench_mark_pareto(struct gp_bench_frame *f);
 
 /* The median of n values, which are sorted; n >= 1. */
@@ -147,6 +186,40 @@ GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bench_thin(const struct gp_log *log,
     const struct gp_frame *f, int nth, struct gp_frame *out);
+
+/* Milliseconds of all sources, where shares of them, rising, took ms: what a run
+ * takes without any, and as much more as the parts differ by. */
+double gp_bench_whole_ms(const double share[2], const double ms[2]);
+
+// -- extra.c -------------------------------------------------------------------
+
+/* Compares a picture with the exact one, by FLIP (`shown`), whose map *map becomes
+ * where that is not NULL, or as light. */
+GP_MUST_CHECK gp_status gp_bench_compare(struct glarepp *gp,
+                                         const struct glarepp_image *exact,
+                                         const struct glarepp_image *picture,
+                                         bool shown,
+                                         struct glarepp_compare_facts *out,
+                                         struct glarepp_image *map);
+
+/* Adds the rows of flare and lens that the job has to out->row; dark frames' say
+ * so.
+ *   params  with the frame's image, which is not changed */
+GP_MUST_CHECK gp_status gp_bench_extras(
+    const struct gp_log *log, const struct gp_bench_request *req,
+    struct glarepp_kernel *kernel, const struct glarepp_frame_params *params,
+    bool lit, struct gp_bench_frame *out);
+
+// -- whole.c -------------------------------------------------------------------
+
+/* Measures a frame from file to file: `runs` times, each output in turn, written
+ * to a folder in $TMPDIR, else /tmp. Without lights, lens and scene.
+ * Errors: those of reading and computing; GP_ERR_IO no such folder. An output that cannot be written says
+ * why. */
+GP_MUST_CHECK gp_status gp_bench_whole_run(
+    const struct gp_log *log, const struct gp_bench_request *req,
+    struct glarepp_kernel *kernel, const struct gp_frame *f,
+    const struct glarepp_frame_params *params, struct gp_bench_whole *out);
 
 // -- sun.c -------------------------------------------------------------------
 

@@ -49,11 +49,34 @@ void gp_bench_mark_pareto(struct gp_bench_frame *f)
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const a = &f->row[k], *b = &f->row[i];
             const double ea = a->error.rel_l2, eb = b->error.rel_l2;
-            if (a->layer == b->layer && a->measured && a->ms <= b->ms && ea <= eb &&
-                (a->ms < b->ms || ea < eb))
+            if (a->layer == b->layer && a->measured && a->ms <= b->ms_min &&
+                ea <= eb && (a->ms < b->ms_min || ea < eb))
                 f->row[i].pareto = false;
         }
     }
+    for (int i = 0; i < GP_BENCH_BY * GP_BENCH_WITHIN; i++) {
+        int *const best = &f->choice[i / GP_BENCH_WITHIN][i % GP_BENCH_WITHIN];
+        *best = -1;
+        for (int k = 0; k < f->rows; k++) {
+            const struct gp_bench_row *const r = &f->row[k];
+            if (!r->layer &&
+                gp_bench_error(r, i / GP_BENCH_WITHIN) <=
+                    gp_bench_within[i % GP_BENCH_WITHIN] &&
+                (*best < 0 || r->ms < f->row[*best].ms))
+                *best = k;
+        }
+    }
+}
+
+const char *const gp_bench_by[GP_BENCH_BY] = {"rel_l2", "max_rel", "flip"};
+const double gp_bench_within[GP_BENCH_WITHIN] = {1e-1, 1e-2, 1e-3, 1e-6};
+
+double gp_bench_error(const struct gp_bench_row *r, int by)
+{
+    return !r->measured ? (double) NAN
+           : by == 0    ? r->error.rel_l2
+           : by == 1    ? r->error.max_rel
+                        : r->flip;
 }
 
 void gp_bench_table_free(struct gp_bench_table *t)
@@ -92,6 +115,53 @@ static void print_cell(int width, const char *format, double v)
     else
         snprintf(text, sizeof text, format, v);
     printf(" %*s", width, text);
+}
+
+/* The fastest row within each limit, by each measure. */
+static void print_choices(const struct gp_bench_frame *f)
+{
+    printf("  %-26s %9s  %8s %8s\n", "fastest within", "ms", "error", "bound");
+    for (int i = 0; i < GP_BENCH_BY * GP_BENCH_WITHIN; i++) {
+        const int by = i / GP_BENCH_WITHIN, k = i % GP_BENCH_WITHIN;
+        const struct gp_bench_row *const r =
+            f->choice[by][k] < 0 ? NULL : &f->row[f->choice[by][k]];
+        printf("  %-8s %.0e  ", gp_bench_by[by], gp_bench_within[k]);
+        if (!r) {
+            printf("none\n");
+            continue;
+        }
+        printf("%-10s", "");
+        print_cell(9, r->ms < 1e4 ? "%.2f" : "%.0f", r->ms);
+        putchar(' ');
+        print_cell(8, "%.1e", gp_bench_error(r, by));
+        print_cell(8, "%.1e", by == 0 ? r->bound : (double) NAN);
+        printf("  %s\n", r->name);
+    }
+}
+
+/* The whole run, by output. */
+static void print_whole(const struct gp_bench_whole *w)
+{
+    const double before =
+        (isnan(w->read_ms) ? 0.0 : w->read_ms) + w->glare_ms + w->tone_ms;
+    printf("  whole run: read");
+    print_cell(0, "%.2f", w->read_ms);
+    printf(", glare %.2f, compose and tone map %.2f ms, then one of\n"
+           "  %-26s %9s  %8s %8s %9s %10s\n",
+           w->glare_ms, w->tone_ms, "written to $TMPDIR", "ms", "min", "max",
+           "kbytes", "whole ms");
+    for (int i = 0; i < w->outputs; i++) {
+        const struct gp_bench_output *const o = &w->output[i];
+        if (o->why[0]) {
+            printf("  %-26s cannot be written: %s\n", o->options,
+                   gp_printable(o->why).text);
+            continue;
+        }
+        printf("%c %-26s %9.2f  %8.2f %8.2f %9.1f %10.2f%s\n",
+               o->pareto ? '>' : ' ', o->options, o->median, o->least, o->most,
+               (double) o->bytes * 1e-3, before + o->median,
+               o->usual ? "  the default" : "");
+    }
 }
 
 /* The table and its legend. */
@@ -146,22 +216,29 @@ static void print_table(const struct gp_bench_table *t)
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const r = &f->row[k];
             if (!r->why[0] && strcmp(r->name, "auto") == 0)
-                printf("  auto took %s: %s\n", r->facts.engine, r->facts.why);
+                printf("  auto took %s: %s%s%s\n", r->facts.engine,
+                       r->facts.why, r->same ? "; the same runs as " : "",
+                       r->same ? r->same : "");
             gl = !gl && r->gl[0] ? r->gl : gl;
         }
         if (gl)
             printf("  splat ran on %s\n", gp_printable(gl).text);
+        print_choices(f);
+        if (f->whole.outputs)
+            print_whole(&f->whole);
         putchar('\n');
     }
-    printf("> on the Pareto front: no other row is both faster and nearer\n"
-           "* a whole run takes over 6 s: extrapolated from a tenth (or "
-           "hundredth) of the sources\n"
-           "first: the first run, which makes plans, spectra and contexts "
-           "that later frames keep\n"
-           "4/8/1e-3: --group 4 --cluster 8 --shrink 1e-3, all of Ando's "
-           "techniques; FLIP: of the tone-mapped pictures\n"
-           "angles, flare, lens: each against its own truth; the lens's are "
-           "meshes twice as fine, of all ghosts\n");
+    printf(
+        "> on the Pareto front: no other row is nearer (of a format: smaller) "
+        "and its median faster than the fastest run here\n"
+        "* a whole run takes over 6 s: extrapolated from parts of "
+        "the sources, a tenth (or hundredth) and a tenth of that\n"
+        "first: the first run, which makes plans, spectra and contexts "
+        "that later frames keep\n"
+        "4/8/1e-3: --group 4 --cluster 8 --shrink 1e-3, all of Ando's "
+        "techniques; FLIP: of the tone-mapped pictures\n"
+        "angles, flare, lens: each against its own truth; the lens's are "
+        "meshes twice as fine, of all ghosts\n");
 }
 
 // -- files -------------------------------------------------------------------
@@ -244,7 +321,7 @@ static double round_us(double ms)
     return round(ms * 1e3) * 1e-3;
 }
 
-enum { CELLS = 24 };
+enum { CELLS = 25 };
 
 /* All cells of a row; those of the same index have the same name. */
 static void make_cells(const struct gp_bench_frame *f,
@@ -276,6 +353,7 @@ static void make_cells(const struct gp_bench_frame *f,
         {"pareto", NULL, r->pareto, GP_CELL_TRUTH},
         {"engine", ran ? r->facts.engine : NULL, none, GP_CELL_REAL},
         {"form", ran ? r->facts.form : NULL, none, GP_CELL_REAL},
+        {"same_as", ran ? r->same : NULL, none, GP_CELL_REAL},
         {"gl", ran && r->gl[0] ? r->gl : NULL, none, GP_CELL_REAL},
         {"why", ran ? NULL : r->why, none, GP_CELL_REAL},
     };
@@ -292,6 +370,62 @@ static gp_status save_csv(const struct gp_log *log,
             make_cells(&t->frame[i], &t->frame[i].row[k], c[rows++]);
     }
     return gp_bench_save_csv(log, path, c[0], rows, CELLS);
+}
+
+/* The choices: one object a limit and measure, without a name where there is none. */
+static json_t *choices_json(const struct gp_bench_frame *f)
+{
+    json_t *const all = json_array();
+    for (int i = 0; i < GP_BENCH_BY * GP_BENCH_WITHIN; i++) {
+        const int by = i / GP_BENCH_WITHIN, k = i % GP_BENCH_WITHIN;
+        const int at = f->choice[by][k];
+        const struct gp_bench_row none = {.ms = NAN, .bound = NAN};
+        const struct gp_bench_row *const r = at < 0 ? &none : &f->row[at];
+        const double no = (double) NAN;
+        const struct gp_bench_cell c[] = {
+            {"by", gp_bench_by[by], no, GP_CELL_REAL},
+            {"within", NULL, gp_bench_within[k], GP_CELL_REAL},
+            {"name", r->name, no, GP_CELL_REAL},
+            {"options", r->name ? r->options : NULL, no, GP_CELL_REAL},
+            {"ms", NULL, round_us(r->ms), GP_CELL_REAL},
+            {"error", NULL, gp_bench_error(r, by), GP_CELL_REAL},
+            {"bound", NULL, by == 0 ? r->bound : no, GP_CELL_REAL},
+        };
+        json_array_append_new(all, gp_bench_json_row(c, sizeof c / sizeof *c));
+    }
+    return all;
+}
+
+/* The whole run; NULL: not measured. */
+static json_t *whole_json(const struct gp_bench_whole *w)
+{
+    json_t *const outputs = w->outputs ? json_array() : NULL;
+    const double no = (double) NAN;
+    for (int i = 0; i < w->outputs; i++) {
+        const struct gp_bench_output *const o = &w->output[i];
+        const bool ran = !o->why[0];
+        const struct gp_bench_cell c[] = {
+            {"format", o->format, no, GP_CELL_REAL},
+            {"options", o->options, no, GP_CELL_REAL},
+            {"ms", NULL, ran ? round_us(o->median) : no, GP_CELL_REAL},
+            {"ms_min", NULL, ran ? round_us(o->least) : no, GP_CELL_REAL},
+            {"ms_max", NULL, ran ? round_us(o->most) : no, GP_CELL_REAL},
+            {"runs", NULL, ran ? o->runs : no, GP_CELL_WHOLE},
+            {"bytes", NULL, ran ? (double) o->bytes : no, GP_CELL_WHOLE},
+            {"default", NULL, o->usual, GP_CELL_TRUTH},
+            {"pareto", NULL, o->pareto, GP_CELL_TRUTH},
+            {"why", ran ? NULL : o->why, no, GP_CELL_REAL},
+        };
+        json_array_append_new(outputs,
+                              gp_bench_json_row(c, sizeof c / sizeof *c));
+    }
+    return !outputs
+               ? NULL
+               : json_pack("{so* sf sf so}", "read_ms",
+                           isnan(w->read_ms) ? NULL
+                                             : json_real(round_us(w->read_ms)),
+                           "glare_ms", round_us(w->glare_ms), "tone_ms",
+                           round_us(w->tone_ms), "outputs", outputs);
 }
 
 json_t *gp_bench_json_frame(const struct gp_bench_frame *f)
@@ -313,11 +447,12 @@ json_t *gp_bench_json_frame(const struct gp_bench_frame *f)
             json_object_set_new(row, "layer", json_string(r->layer));
         json_array_append_new(rows, row);
     }
-    return json_pack("{so si si sI so s[ii] so* so}", "input",
+    return json_pack("{so si si sI so s[ii] so* so so so*}", "input",
                      gp_json_name(f->input), "width", f->width, "height",
                      f->height, "sources", (json_int_t) f->sources, "kernel",
                      gp_json_name(f->kernel), "kernel_size", f->kernel_w,
-                     f->kernel_h, "paper", paper, "rows", rows);
+                     f->kernel_h, "paper", paper, "rows", rows, "choices",
+                     choices_json(f), "whole", whole_json(&f->whole));
 }
 
 static gp_status save_json(const struct gp_log *log,
@@ -348,8 +483,14 @@ gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
 
 /* SVG pixels of a panel, and the plot inside it. */
 enum {
-    WIDTH = 900, HEIGHT = 560, LEFT = 90, RIGHT = 250, TOP = 40, BOTTOM = 60,
-    LINE = 16, // of a label
+    WIDTH = 900,
+    HEIGHT = 640,
+    LEFT = 90,
+    RIGHT = 250,
+    TOP = 40,
+    BOTTOM = 140,
+    LINE = 16,    // of a label
+    CHOICE = 280, // width of a column of choices, under the axis
 };
 static const double LEAST = 1e-10; // an error of 0 is drawn as this
 
@@ -419,10 +560,32 @@ static void write_grid(const struct axis axis[2], FILE *to)
         fprintf(to, "<path d='M%.1f %.1fH%.1f' stroke='#ddd'/><text x='%.1f' "
                 "y='%.1f' text-anchor='end'>%.0e</text>\n", x->from, place(y, v),
                 x->to, x->from - 6.0, place(y, v) + 4.0, v);
-    fprintf(to, "<text x='%.1f' y='%d' text-anchor='middle'>milliseconds, bright "
+    fprintf(to,
+            "<text x='%.1f' y='%d' text-anchor='middle'>milliseconds, bright "
             "pass to layer</text>\n<text transform='translate(20 %.1f) "
             "rotate(-90)' text-anchor='middle'>rel_l2</text>\n",
-            0.5 * (x->from + x->to), HEIGHT - LINE, 0.5 * (y->from + y->to));
+            0.5 * (x->from + x->to), HEIGHT - BOTTOM + 2 * LINE,
+            0.5 * (y->from + y->to));
+}
+
+/* Writes the choices under the axis: a column a measure, a line a limit. */
+static void write_choices(const struct gp_bench_frame *f, FILE *to)
+{
+    for (int i = 0; i < GP_BENCH_BY * GP_BENCH_WITHIN; i++) {
+        const int by = i / GP_BENCH_WITHIN, k = i % GP_BENCH_WITHIN;
+        const int at = f->choice[by][k], x = LINE + by * CHOICE;
+        const int y = HEIGHT - BOTTOM + 4 * LINE;
+        if (k == 0)
+            fprintf(to,
+                    "<text x='%d' y='%d' font-weight='bold'>fastest by "
+                    "%s</text>\n",
+                    x, y - LINE + 4, gp_bench_by[by]);
+        fprintf(to, "<text x='%d' y='%d'>within %.0e: ", x, y + k * LINE + 4,
+                gp_bench_within[k]);
+        if (at >= 0)
+            fprintf(to, "%s, %.3g ms", f->row[at].name, f->row[at].ms);
+        fprintf(to, "%s</text>\n", at < 0 ? "none" : "");
+    }
 }
 
 /* Draws a frame's rows, with lines to their names. */
@@ -438,21 +601,26 @@ static void write_panel(const struct gp_bench_frame *f, FILE *to)
     if (!n)
         return;
     write_grid(axis, to);
+    write_choices(f, to);
     fprintf(to, "<polyline fill='none' stroke='#c03020' stroke-width='2' "
             "points='");
+    double last = 0.0; // rows within the spread of the front leave no dents
     for (int i = 0; i < n; i++) {
-        if (at[i].row->pareto)
-            fprintf(to, "%.1f,%.1f ", at[i].at[0], at[i].at[1]);
+        if (at[i].row->pareto && at[i].at[0] >= last)
+            fprintf(to, "%.1f,%.1f ", last = at[i].at[0], at[i].at[1]);
     }
     fprintf(to, "'/>\n<text x='%d' y='20' text-anchor='end' fill='#c03020'>"
             "Pareto front</text>\n", WIDTH - RIGHT);
     for (int i = 0; i < n; i++)
-        fprintf(to, "<path d='M%.1f %.1fL%d %.1f' stroke='#bbb'/><circle "
-                "cx='%.1f' cy='%.1f' r='4' fill='#2050a0'/><text x='%d' "
-                "y='%.1f'%s>%s</text>\n", at[i].at[0], at[i].at[1],
-                WIDTH - RIGHT + 10, at[i].label, at[i].at[0], at[i].at[1],
-                WIDTH - RIGHT + 14, at[i].label + 4.0,
-                at[i].row->pareto ? "" : " fill='#666'", at[i].row->name);
+        fprintf(to,
+                "<path d='M%.1f %.1fL%d %.1f' stroke='#bbb'/><circle "
+                "cx='%.1f' cy='%.1f' r='4' fill='%s'/><text x='%d' "
+                "y='%.1f'%s>%s</text>\n",
+                at[i].at[0], at[i].at[1], WIDTH - RIGHT + 10, at[i].label,
+                at[i].at[0], at[i].at[1],
+                at[i].row->pareto ? "#c03020" : "#2050a0", WIDTH - RIGHT + 14,
+                at[i].label + 4.0, at[i].row->pareto ? "" : " fill='#666'",
+                at[i].row->name);
 }
 
 /* Milliseconds against rel_l2, a picture a frame; no text of the user's. */

@@ -449,6 +449,9 @@ const struct gp_option gp_options[] = {
     CHOICE(output.write.depth_bits, .name = "depth-bits", IN(FILE), .arg = "N",
         .choices = gp_bits,
         .help = "Write samples of PNG and other integer formats with N bits"),
+    OPT(output.write.png_level, .name = "png-level", IN(FILE), .arg = "N",
+        .hi = GP_PNG_LEVELS, .help = "Pack PNG files so hard: 0 not at all, "
+        "1 fast, 12 small and slow"),
     SET(output.write.dither, .name = "dither", IN(FILE),
         .set = GP_DITHER_ALWAYS,
         .help = "Dither integers of 16 bits too, not only those of 8"),

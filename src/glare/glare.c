@@ -135,10 +135,8 @@ static void halve_floor(struct gp_pixel_floor *floor, int times)
  * choice should be known before the hour is spent. */
 static void warn_of_hours(const struct gp_glare_request *req, const char *path)
 {
-    static const double LONG_S = 20.0, PRODUCT_S = 2.4e-10; // one core
-    const struct gp_kernel *const k = req->kernel;
-    const double s = PRODUCT_S * gp_direct_work(req->src, k->w, k->h, k->cx,
-                                                k->cy, INFINITY);
+    static const double LONG_S = 20.0;
+    const double s = gp_sum_seconds(req);
     if (s > LONG_S)
         gp_say_at(req->log, GP_LEVEL_WARN, "sense.threshold",
                   "%s: engine direct will take about %.0f s for %zu sources",

@@ -30,6 +30,19 @@ static bool is_handful(const struct gp_sources *s, const struct gp_kernel *k)
     return gp_direct_work(s, k->w, k->h, k->cx, k->cy, most) <= most;
 }
 
+double gp_sum_seconds(const struct gp_glare_request *req)
+{
+    // CPU seconds of a product, and of a pair by true angles, at 2.5 GHz with AVX2:
+    // glarepp -e direct of 4622 sources on 1920x1080, and of 402 on 640x360
+    static const double PRODUCT_S = 2.4e-10, PAIR_S = 1.0e-7;
+    const struct gp_sources *const s = req->src;
+    const struct gp_kernel *const k = req->kernel;
+    const double pairs = k->sky ? (double) s->n * s->w * s->h : 0.0;
+    return (PRODUCT_S * gp_direct_work(s, k->w, k->h, k->cx, k->cy, INFINITY) +
+            PAIR_S * pairs) /
+           gp_threads();
+}
+
 // -- bounds -------------------------------------------------------------------
 
 gp_status gp_plan_pixel(const struct gp_glare_request *req, struct gp_glare *g,
@@ -187,9 +200,7 @@ static void warn(const struct gp_glare_request *req, const char *path,
         gp_say_at(req->log, GP_LEVEL_WARN, "layer.levels",
                   "%s: levels guarantee no tolerance of %.3g (their bound is "
                   "%.2g), and direct sums take some %.2g s",
-                  path, (double) p->tolerance, c->bound,
-                  1.5e-7 * (double) req->src->n * req->src->w * req->src->h /
-                      gp_threads());
+                  path, (double) p->tolerance, c->bound, gp_sum_seconds(req));
     else
         gp_say_at(req->log, GP_LEVEL_WARN, "layer.tolerance",
                   "%s: no engine guarantees a tolerance of %.3g (the lowest "

@@ -59,10 +59,13 @@ enum gp_dither { GP_DITHER_8_BITS, GP_DITHER_ALWAYS, GP_DITHER_NEVER };
  * in formats whose readers take alpha as associated. */
 enum gp_alpha { GP_ALPHA_BLACK, GP_ALPHA_KEEP, GP_ALPHA_ASSOCIATED };
 
+enum { GP_PNG_LEVELS = 12 };
+
 struct gp_write_params {
     enum gp_out_type type;
     enum gp_compression compression;
     int depth_bits;             // PNG and other integer formats: 8 or 16
+    int png_level; // of libdeflate: 0 none, 1 fast to GP_PNG_LEVELS
     enum gp_dither dither;
     enum gp_alpha alpha;        // pictures: over black, or keep A
     enum gp_stdout_format stdout_format;
@@ -82,9 +85,11 @@ struct gp_write_params {
     const struct gp_attribute *added; // `n_added` texts for EXR files
     int n_added;
 };
-#define GP_WRITE_DEFAULTS                                                     \
-    { .type = GP_OUT_AUTO, .compression = GP_COMPRESSION_AUTO,                \
-      .depth_bits = 8 }
+#define GP_WRITE_DEFAULTS                                        \
+    {                                                            \
+        .type = GP_OUT_AUTO, .compression = GP_COMPRESSION_AUTO, \
+        .depth_bits = 8, .png_level = 1                          \
+    }
 
 /* Pixels of a raw frame. */
 struct gp_raw_size {

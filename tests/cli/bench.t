@@ -88,15 +88,34 @@ front = True
 for f in table["frames"]:
     mine = [r for r in f["rows"] if "rel_l2" in r]
     for r in f["rows"]:
-        beaten = any(o["ms"] <= r["ms"] and o["rel_l2"] <= r["rel_l2"] and
-                     (o["ms"], o["rel_l2"]) != (r["ms"], r["rel_l2"])
-                     for o in mine if "rel_l2" in r)
         # (times in the files are rounded: two that differ there do differ)
-        if r["pareto"] and ("rel_l2" not in r or beaten and not any(
-                o["ms"] == r["ms"] for o in mine if o is not r)):
+        beaten = any(o["ms"] < r["ms_min"] and o["rel_l2"] <= r["rel_l2"]
+                     for o in mine if "rel_l2" in r)
+        tied = any(o["ms"] == r.get("ms_min") for o in mine)
+        if "rel_l2" not in r and r["pareto"] or \
+                "rel_l2" in r and not tied and r["pareto"] == beaten:
             front = False
     front = front and (not mine or any(r["pareto"] for r in mine))
-verdict(front, "nothing beats a row of the Pareto front")
+verdict(front, "the Pareto front is the rows that none surely beats")
+times = ("ms", "ms_min", "ms_max", "runs", "pareto", "rel_l2", "max_abs")
+autos = [(f, r) for f, r in rows if r["name"] == "auto" and "ms" in r]
+verdict(all([[r[k] for k in times] for r in (o, a)][0] == [a[k] for k in times]
+            for f, a in autos for o in f["rows"] if o["name"] == a.get("same_as")),
+        "auto has the times of the row that it is")
+verdict(all("same_as" in a or a["engine"] not in
+            [o["engine"] for o in f["rows"] if o is not a and "rel_l2" in o]
+            for f, a in autos), "auto is the row of its engine")
+
+def best(f, by, within):
+    """The time of the fastest row within an error, or None."""
+    return min((r["ms"] for r in f["rows"] if r.get(by, within + 1) <= within),
+               default=None)
+
+verdict(all(len(f["choices"]) == 12 and
+            all(c.get("ms") == best(f, c["by"], c["within"]) and
+                ("name" in c) == ("ms" in c) and
+                c.get("error", 0) <= c["within"] for c in f["choices"])
+            for f in table["frames"]), "the choices are the fastest rows")
 verdict(all("rel_l2" not in r and "flip" not in r and not r["pareto"] and
             0 < r["share"] < .3 and r["ms_min"] == r["ms"] == r["ms_max"]
             for r in parts), "extrapolated rows are marked and have no error")
@@ -126,6 +145,39 @@ like "$(head -1 out)" 'in.exr: 64x48, * sources, kernel kernel.exr 33x32; *' \
     'the table says what was measured'
 ok 'the table: a mark on the Pareto front' grep -q '^> ' out
 is "$(awk 'length > 140' out | grep -cv '^  auto took')" 0 'no line is too wide'
+
+is "$(grep -c '^  \(rel_l2\|max_rel\|flip\)  *1e-0[1236] ' out)" 12 \
+    'the table: the fastest within each error'
+"$python" - >verdicts 2>&1 <<'PY' || echo 'not ok whole run' >>verdicts
+import json
+w = json.load(open("t.json"))["frames"][0]["whole"]
+def ok(fine, what): print(("ok " if fine else "not ok ") + what)
+out = w["outputs"]
+png = [o for o in out if o["format"] == "PNG"]
+ok(all(w[k] > 0 for k in ("read_ms", "glare_ms", "tone_ms")),
+   "whole run: each step has a time")
+ok(len(png) == 13 and len(out) == 23, "whole run: every level and compression")
+ok([o["options"] for o in out if o["default"]] ==
+   ["--hdr --compression none", "-o --png-level 1"], "whole run: the defaults")
+ok(all(o["bytes"] > 0 and o["ms_min"] <= o["ms"] <= o["ms_max"] for o in out
+       if "why" not in o), "whole run: times and bytes")
+ok(all("why" in o for o in out) is False and png[12]["bytes"] < png[0]["bytes"],
+   "whole run: a level packs")
+ok(all(o["pareto"] != any(p["format"] == o["format"] and p["ms"] < o["ms_min"] and
+                          p["bytes"] <= o["bytes"] for p in out)
+       for o in out if "why" not in o), "whole run: the front of each format")
+PY
+verdicts verdicts
+# (the input is not compressed) what a row says of bytes is what the job writes
+for level in 0 12; do
+    "$glarepp" -q -k kernel.exr --no-provenance --png-level $level -o $level.png in.exr
+done
+is "$("$python" -c 'import json, os
+b = {o["options"]: o["bytes"] for o in
+     json.load(open("t.json"))["frames"][0]["whole"]["outputs"]}
+print(*[os.path.getsize("%d.png" % n) - b["-o --png-level %d" % n] for n in (0, 12)])')" \
+    '0 0' 'whole run: the bytes of the files'
+ok '--png-level: the same pixels' "$glarepp" compare -q --fail 0 0.png 12.png
 
 no 'an image leaves nothing out that is known' \
     grep -q kernel_left_out out t.json
@@ -200,7 +252,7 @@ run bench --runs 1 -k kernel.exr --csv - in.exr
 like "$(head -1 out)" 'input,name,options,ms,*' '--csv -: stdout is CSV alone'
 is "$(wc -l <out)" 11 '--csv -: a line for each row'
 run bench --runs 1 -k kernel.exr --tonemap none --json n.json in.exr
-no '--tonemap none: no FLIP' grep -q '"flip"' n.json
+no '--tonemap none: no FLIP' grep -q '"flip":' n.json
 run bench -v --runs 1 -k kernel.exr in.exr
 is "$(grep -c '^glarepp: ' err)" 10 '-v: a line for each row'
 run bench --runs 1 -k kernel.exr - <in.exr

@@ -6,19 +6,28 @@
 static void the_front_is_what_nothing_beats(void **state)
 {
     static const struct {
-        double ms, error; // error < 0: not measured
+        double ms, least, error; // error < 0: not measured
         bool pareto;
     } rows[] = {
-        {10, 1e-3, true},  {20, 1e-7, true},   {5, 1e-1, true},
-        {20, 1e-3, false}, // slower than the first, as wrong
-        {10, 1e-2, false}, // as fast as the first, more wrong
-        {1, -1, false},    {30, 1e-8, true},   {30, 1e-8, true}, // twins
-        {40, 0, true},     {5.1, 2e-1, false}, {50, 0, false},
-        {60, INFINITY, false},
+        {10, 10, 1e-3, true},
+        {20, 20, 1e-7, true},
+        {5, 5, 1e-1, true},
+        {20, 20, 1e-3, false}, // slower than the first, as wrong
+        {10, 10, 1e-2, false}, // as fast as the first, more wrong
+        {1, 1, -1, false},
+        {30, 30, 1e-8, true},
+        {30, 30, 1e-8, true},   // twins
+        {31, 29.9, 1e-8, true}, // its fastest run is faster than their median
+        {31, 30.1, 1e-8, false},
+        {40, 40, 0, true},
+        {5.1, 5.1, 2e-1, false},
+        {50, 50, 0, false},
+        {60, 60, INFINITY, false},
     };
     struct gp_bench_frame f = {.rows = COUNT(rows)};
     for (size_t i = 0; i < COUNT(rows); i++) {
         f.row[i].ms = rows[i].ms;
+        f.row[i].ms_min = rows[i].least;
         f.row[i].error.rel_l2 = rows[i].error;
         f.row[i].measured = rows[i].error >= 0.0;
     }
@@ -29,16 +38,58 @@ static void the_front_is_what_nothing_beats(void **state)
     }
 }
 
+/* The fastest row within each error, by each measure; none where none is. */
+static void choices_are_the_fastest(void **state)
+{
+    struct gp_bench_frame f = {.rows = 4,
+                               .row = {
+                                   {.ms = 9,
+                                    .error = {.rel_l2 = 1e-7, .max_rel = 1e-3},
+                                    .flip = NAN,
+                                    .measured = true},
+                                   {.ms = 5,
+                                    .error = {.rel_l2 = 1e-3, .max_rel = .5},
+                                    .flip = 1e-2,
+                                    .measured = true},
+                                   {.ms = 1, .error = {.rel_l2 = 0}},
+                                   {.ms = 2,
+                                    .error = {.rel_l2 = 0},
+                                    .measured = true,
+                                    .layer = "flare"},
+                               }};
+    static const int want[GP_BENCH_BY][GP_BENCH_WITHIN] = {
+        {1, 1, 1, 0},
+        {0, 0, 0, -1},
+        {1, 1, -1, -1},
+    };
+    gp_bench_mark_pareto(&f);
+    assert_memory_equal(f.choice, want, sizeof want);
+}
+
 /* Rows of another layer are beaten by rows of that layer only. */
 static void layers_have_their_own_front(void **state)
 {
     static const char flare[] = "flare", lens[] = "lens";
-    struct gp_bench_frame f = {.rows = 4, .row = {
-        {.ms = 1, .error.rel_l2 = 1e-8, .measured = true},
-        {.ms = 9, .error.rel_l2 = 1e-3, .measured = true, .layer = flare},
-        {.ms = 10, .error.rel_l2 = 1e-3, .measured = true, .layer = lens},
-        {.ms = 11, .error.rel_l2 = 1e-2, .measured = true, .layer = lens},
-    }};
+    struct gp_bench_frame f = {
+        .rows = 4,
+        .row = {
+            {.ms = 1, .ms_min = 1, .error.rel_l2 = 1e-8, .measured = true},
+            {.ms = 9,
+             .ms_min = 9,
+             .error.rel_l2 = 1e-3,
+             .measured = true,
+             .layer = flare},
+            {.ms = 10,
+             .ms_min = 10,
+             .error.rel_l2 = 1e-3,
+             .measured = true,
+             .layer = lens},
+            {.ms = 11,
+             .ms_min = 11,
+             .error.rel_l2 = 1e-2,
+             .measured = true,
+             .layer = lens},
+        }};
     gp_bench_mark_pareto(&f);
     assert_true(f.row[0].pareto && f.row[1].pareto && f.row[2].pareto);
     assert_false(f.row[3].pareto);
@@ -64,6 +115,23 @@ static void options_ask_for_the_technique(void **state)
         gp_bench_options(t, 0.25f, line, sizeof line);
         assert_string_equal(line, rows[i].options);
     }
+}
+
+/* A time of a fixed part and one that grows with the sources is found as it is: over
+ * shares of it alone, 0.5 s of the first are 5 s. */
+static void a_fixed_part_is_not_multiplied(void **state)
+{
+    static const double fixed[] = {0.0, 40.0, 500.0}, each[] = {0.0, 70.0, 9e4};
+    static const double share[][2] = {{0.011, 0.1}, {0.0009, 0.01}};
+    for (int i = 0; i < 18; i++) {
+        const double a = fixed[i % 3], b = each[i / 3 % 3];
+        const double *const s = share[i / 9];
+        const double ms[2] = {a + b * s[0], a + b * s[1]};
+        assert_true(fabs(gp_bench_whole_ms(s, ms) - (a + b)) <= 1e-9 * (a + b));
+    }
+    // times that jump never fall as sources are added
+    assert_true(gp_bench_whole_ms(share[0], (const double[]) {9.0, 8.0}) ==
+                8.0);
 }
 
 static struct gp_frame grey(int w, int h, float light)
@@ -106,5 +174,6 @@ static void parts_are_even_and_untouched(void **state)
 }
 
 SUITE_OF(bench, NULL, NULL, the_front_is_what_nothing_beats,
-    layers_have_their_own_front, options_ask_for_the_technique,
-    parts_are_even_and_untouched)
+         choices_are_the_fastest, layers_have_their_own_front,
+         options_ask_for_the_technique, parts_are_even_and_untouched,
+         a_fixed_part_is_not_multiplied)

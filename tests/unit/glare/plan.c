@@ -203,7 +203,71 @@ static void a_pixel_may_need_the_whole_kernel(void **state)
     scene_free(&s);
 }
 
-SUITE_OF(plan, NULL, NULL, a_frame_alone_decides,
+/* Products that a sum makes on a channel, one by one. */
+static double products(const struct scene *s)
+{
+    double n = 0.0;
+    for (int y = 0; y < s->src.h; y++) {
+        for (uint32_t i = s->src.row[y]; i < s->src.row[y + 1]; i++) {
+            for (int k = 0; k < s->k.w * s->k.h; k++) {
+                const int px = s->src.x[i] + k % s->k.w - s->k.cx;
+                const int py = y + k / s->k.w - s->k.cy;
+                n += px >= 0 && px < s->src.w && py >= 0 && py < s->src.h;
+            }
+        }
+    }
+    return n;
+}
+
+/* The time of a sum that a warning names grows with its products, by true angles
+ * with the pairs of a source and a pixel too, and threads share it. */
+static void a_sum_takes_time_of_its_products(void **state)
+{
+    static char any[] = "any"; // is not looked into
+    double each[2] = {0};
+    for (int i = 0; i < ROWS; i++) {
+        struct scene s =
+            scene_of(rows[i].light, rows[i].w, rows[i].h, rows[i].kernel);
+        struct gp_kernel wide = s.k;
+        const struct gp_glare_request plane = {.src = &s.src, .kernel = &s.k};
+        const struct gp_glare_request sky = {.src = &s.src, .kernel = &wide};
+        const double pairs = (double) s.src.n * s.src.w * s.src.h;
+        wide.sky = (struct gp_sky *) (void *) any;
+        gp_set_threads(1);
+        const double one = gp_sum_seconds(&plane);
+        const double more = gp_sum_seconds(&sky) - one;
+        each[0] = i ? each[0] : one / products(&s);
+        each[1] = i ? each[1] : more / pairs;
+        assert_true(fabs(one / products(&s) / each[0] - 1.0) < 1e-9);
+        assert_true(fabs(more / pairs / each[1] - 1.0) < 1e-9);
+        gp_set_threads(2);
+        assert_true(fabs(2.0 * gp_sum_seconds(&plane) / one - 1.0) < 1e-9);
+        gp_set_threads(0);
+        scene_free(&s);
+    }
+    // a processor of these years does 1 to 16 billions a second, and from two to
+    // thirty millions of pairs
+    assert_true(each[0] > 6e-11 && each[0] < 1e-9);
+    assert_true(each[1] > 3e-8 && each[1] < 5e-7);
+}
+
+/* Engine direct warns of a time that is long, and of no other. */
+static void a_long_sum_is_a_warning(void **state)
+{
+    struct gp_glare g = {0};
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct glarepp_layer_facts stats;
+    struct scene s = scene_of(FEW, 97, 61, 31);
+    p.engine = "direct";
+    kept_clear();
+    assert_ok(gp_glare_run(&kept_log, &p, &g, &s.src, &s.k, &s.f, &stats));
+    assert_string_equal(kept_warning, "");
+    gp_glare_close(&g);
+    scene_free(&s);
+}
+
+SUITE_OF(plan, NULL, NULL, a_sum_takes_time_of_its_products,
+         a_long_sum_is_a_warning, a_frame_alone_decides,
          the_tolerance_is_kept_or_a_warning_printed,
          a_bound_over_the_tolerance_is_not_taken, a_pixel_may_need_double,
          a_far_field_is_in_the_bound, a_pixel_may_need_the_whole_kernel)

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+/* The whole run: read, glare, tone map, and each way to write the result. */
+#include "bench/bench_priv.h"
+
+#include "core/clock.h"
+#include "core/memory.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const double OUTPUT_MS = 1e3; // no further run is started after this
+
+/* Steps of a frame between its pixels and its outputs. */
+static const enum glarepp_step glare[] = {GLAREPP_SENSE, GLAREPP_KERNEL,
+                                          GLAREPP_LAYER};
+static const enum glarepp_step tone[] = {GLAREPP_COMPOSE, GLAREPP_TONE,
+                                         GLAREPP_DONE};
+enum { STEPS = 3 };
+
+/* A frame that is written again and again. */
+struct whole {
+    const struct gp_log *log;
+    const struct gp_bench_request *req;
+    const struct gp_frame *f;
+    struct glarepp_frame *frame;
+    char folder[200]; // of a file that is written again and again
+    struct gp_write_params p;
+    struct gp_bench_whole *out;
+};
+
+/* Lists the ways to write: of EXR the job's own first. */
+static void list_outputs(const struct whole *w)
+{
+    static const char *const names[] = {
+        "none",  "rle", "zips", "zip",  "piz",
+        "pxr24", "b44", "b44a", "dwaa", "dwab",
+    };
+    struct gp_bench_output *o = w->out->output;
+    for (int c = GP_COMPRESSION_AUTO; c <= GP_COMPRESSION_DWAB; c++, o++) {
+        o->compression = (enum gp_compression) c;
+        o->format = c < GP_COMPRESSION_PXR24 ? "EXR" : "EXR, lossy";
+        snprintf(o->options, sizeof o->options, "--hdr --compression %s",
+                 c < 0 ? "auto" : names[c]);
+    }
+    for (int level = 0; level <= GP_PNG_LEVELS; level++, o++) {
+        o->png_level = level;
+        o->format = "PNG";
+        o->usual = level == w->p.png_level;
+        snprintf(o->options, sizeof o->options, "-o --png-level %d", level);
+    }
+    w->out->outputs = (int) (o - w->out->output);
+}
+
+/* Writes once; the file is removed at once. */
+static gp_status write_once(const struct whole *w, struct gp_bench_output *o,
+                            double *ms)
+{
+    gp_status st;
+    char path[sizeof w->folder + 8];
+    struct stat file = {0};
+    const struct gp_log log = {gp_bench_keep_why, o->why, GP_LEVEL_ERROR};
+    const bool exr = strcmp(o->format, "PNG") != 0;
+    struct gp_write_params p = w->p;
+    struct gp_write_stats stats = {0};
+    struct glarepp_image view;
+    struct gp_planes planes;
+    p.no_clobber = false;
+    p.compression = o->compression;
+    p.png_level = o->png_level;
+    GP_TRY((gp_status) glarepp_frame_view(
+        w->frame, exr ? GLAREPP_LIT : GLAREPP_SHOWN, 0, &view));
+    for (int c = 0; c < 3; c++)
+        planes.c[c] = view.plane[c]; // borrowed
+    snprintf(path, sizeof path, "%s/o.%s", w->folder, exr ? "exr" : "png");
+    const double start = gp_now_ms();
+    st = exr ? gp_write_hdr(&log, &p, path,
+                            &(struct gp_hdr_colour) {w->f, &planes}, 1, &stats)
+             : gp_write_picture(&log, &p, path, w->f, &planes, GP_PICTURE_SHOWN,
+                                &stats);
+    *ms = gp_now_ms() - start;
+    if (!st && stat(path, &file) == 0)
+        o->bytes = (long long) file.st_size;
+    (void) unlink(path);
+out:
+    if (st && !o->why[0])
+        snprintf(o->why, sizeof o->why, "%s", gp_status_text(st));
+    return st;
+}
+
+/* Runs three steps; *ms is what they took. */
+static gp_status run_steps(const struct whole *w, const enum glarepp_step *step,
+                           double *ms)
+{
+    gp_status st = GP_OK;
+    const double start = gp_now_ms();
+    for (int i = 0; i < STEPS && !st; i++)
+        st = (gp_status) glarepp_frame_run(w->frame, step[i]);
+    *ms = gp_now_ms() - start;
+    return st;
+}
+
+/* Reads the file once more; NaN: a pipe, which cannot be. */
+static gp_status read_once(const struct whole *w, double *ms)
+{
+    struct gp_frame f = {0};
+    const struct gp_log log = {w->log->sink, w->log->user, GP_LEVEL_ERROR};
+    if (strcmp(w->req->input, "-") == 0) {
+        *ms = NAN;
+        return GP_OK;
+    }
+    const double start = gp_now_ms();
+    const gp_status st = gp_read_frame(&log, w->req->read, w->req->input, &f);
+    *ms = gp_now_ms() - start;
+    gp_frame_free(&f);
+    return st;
+}
+
+/* One round: a frame is read, computed, and written in all ways whose time is not
+ * over. The first round makes what later frames keep, and counts for none. */
+static gp_status run_round(struct whole *w, struct glarepp_plan *plan,
+                           const struct glarepp_frame_params *params, int round,
+                           double *steps[3])
+{
+    gp_status st;
+    double ms[3];
+    struct glarepp_frame_params p = *params;
+    p.image = gp_frame_view(w->f, &w->f->rgb);
+    p.user = (void *) (uintptr_t) &
+             (struct gp_log) {w->log->sink, w->log->user, GP_LEVEL_ERROR};
+    GP_TRY(read_once(w, &ms[0]));
+    GP_TRY((gp_status) glarepp_frame(plan, &p, &w->frame));
+    GP_TRY(run_steps(w, glare, &ms[1]));
+    GP_TRY(run_steps(w, tone, &ms[2]));
+    for (int i = 0; i < 3 && round > 0; i++)
+        steps[i][round - 1] = ms[i];
+    for (int i = 0; i < w->out->outputs && round > 0; i++) {
+        struct gp_bench_output *const o = &w->out->output[i];
+        if (o->why[0] || o->total >= OUTPUT_MS ||
+            write_once(w, o, &o->ms[o->runs]))
+            continue;
+        o->total += o->ms[o->runs++];
+    }
+out:
+    glarepp_frame_end(&w->frame);
+    return st;
+}
+
+/* Finds medians, the job's own compression (`auto` writes the same bytes), and the
+ * front of each format. */
+static void end_outputs(struct gp_bench_whole *out)
+{
+    struct gp_bench_output *const o = out->output;
+    for (int i = 0; i < out->outputs; i++) {
+        if (o[i].runs) {
+            o[i].median = gp_bench_median(o[i].ms, o[i].runs);
+            o[i].least = o[i].ms[0];
+            o[i].most = o[i].ms[o[i].runs - 1];
+        }
+        GP_FREE(o[i].ms);
+    }
+    for (int i = 1; i < out->outputs && o[i].compression <= GP_COMPRESSION_PIZ;
+         i++) {
+        o[i].usual = o[i].bytes == o[0].bytes;
+        if (o[i].usual)
+            break;
+    }
+    memmove(o, o + 1, (size_t) --out->outputs * sizeof *o);
+    for (int i = 0; i < out->outputs; i++) {
+        o[i].pareto = o[i].runs > 0;
+        for (int k = 0; k < out->outputs; k++) {
+            if (o[k].runs && strcmp(o[k].format, o[i].format) == 0 &&
+                o[k].median < o[i].least && o[k].bytes <= o[i].bytes)
+                o[i].pareto = false;
+        }
+    }
+}
+
+gp_status gp_bench_whole_run(const struct gp_log *log,
+                             const struct gp_bench_request *req,
+                             struct glarepp_kernel *kernel,
+                             const struct gp_frame *f,
+                             const struct glarepp_frame_params *params,
+                             struct gp_bench_whole *out)
+{
+    gp_status st;
+    struct glarepp_plan_params p = *req->plan;
+    struct glarepp_plan *plan = NULL;
+    double *steps[3] = {NULL};
+    const int runs = req->params->runs;
+    struct whole w = {
+        .log = log, .req = req, .f = f, .p = *req->write, .out = out};
+    bool made = false;
+    p.kernel = kernel;
+    p.lights = NULL;
+    p.lens = NULL;
+    p.scene = NULL;
+    list_outputs(&w);
+    for (int i = 0; i < 3; i++)
+        GP_TRY(
+            gp_alloc(log, "times", (size_t) runs, sizeof **steps, &steps[i]));
+    for (int i = 0; i < out->outputs; i++)
+        GP_TRY(gp_alloc(log, "times", (size_t) runs, sizeof(double),
+                        &out->output[i].ms));
+    const char *const tmp = getenv("TMPDIR");
+    const int n = snprintf(w.folder, sizeof w.folder, "%s/glarepp-XXXXXX",
+                           tmp && tmp[0] ? tmp : "/tmp");
+    made = n < (int) sizeof w.folder && mkdtemp(w.folder);
+    if (!made)
+        GP_TRY(gp_fail(log, GP_ERR_IO,
+                       "%s: cannot make a folder for outputs (%s);"
+                       " set TMPDIR",
+                       w.folder, strerror(errno)));
+    GP_TRY((gp_status) glarepp_plan(req->gp, &p, &plan));
+    for (int i = 0; i <= runs; i++)
+        GP_TRY(run_round(&w, plan, params, i, steps));
+    out->read_ms = gp_bench_median(steps[0], runs);
+    out->glare_ms = gp_bench_median(steps[1], runs);
+    out->tone_ms = gp_bench_median(steps[2], runs);
+out:
+    end_outputs(out);
+    if (made)
+        (void) rmdir(w.folder);
+    for (int i = 0; i < 3; i++)
+        gp_free(steps[i]);
+    glarepp_plan_end(&plan);
+    return st;
+}
