@@ -54,16 +54,16 @@
 #include <unwind.h>
 
 // (kind, class, errno)
-#define KINDS(X)                                                               \
-    X(malloc, ALLOC, ENOMEM)                                                   \
-    X(open, IO, EACCES)                                                        \
-    X(close, IO, EIO)                                                          \
-    X(rename, IO, EACCES) X(unlink, IO, EACCES) X(fchmod, IO, EPERM)           \
-        X(ftruncate, IO, EIO) X(fdopen, IO, ENOMEM) X(fstat, IO, EIO)          \
-            X(fsync, IO, EIO) X(memfd, IO, EMFILE) X(read, IO, EIO)            \
-                X(write, IO, ENOSPC) X(thread, THREAD, EAGAIN) X(error, GL, 0) \
-                    X(space, NONE, ENOSPC) X(short, NONE, 0)                   \
-                        X(truncate, NONE, 0) X(grow, NONE, 0) X(term, NONE, 0)
+// clang-format off
+#define KINDS(X)                                                     \
+    X(malloc, ALLOC, ENOMEM) X(open, IO, EACCES) X(close, IO, EIO)   \
+    X(rename, IO, EACCES) X(unlink, IO, EACCES) X(fchmod, IO, EPERM) \
+    X(ftruncate, IO, EIO) X(fdopen, IO, ENOMEM) X(fstat, IO, EIO)    \
+    X(fsync, IO, EIO) X(memfd, IO, EMFILE) X(read, IO, EIO)          \
+    X(write, IO, ENOSPC) X(thread, THREAD, EAGAIN) X(error, GL, 0)   \
+    X(space, NONE, ENOSPC) X(short, NONE, 0) X(truncate, NONE, 0)    \
+    X(grow, NONE, 0) X(term, NONE, 0)
+// clang-format on
 #define ENUM(name, class, error) KIND_##name,
 #define NAME(name, class, error) #name,
 #define CLASS(name, class, error) FAIL_##class,

@@ -210,13 +210,13 @@ static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
     gp_sky_find_block(&w, g->block == 1 ? gp_max(block - 1, 0) : block);
     if (g->block > 1)
         gp_sky_find_factors(&w, block, count, factor);
-    const double at[2] = {x, y};
+    const double place[2] = {x, y};
     double weight[GP_SKY_LEVELS];
     if (s->single)
-        gp_sky_single_fit(s, at, side, weight);
+        gp_sky_single_fit(s, place, side, weight);
     const double stays =
-        s->single ? gp_sky_single_pixels(s, at, weight, side, a.right, right)
-                  : gp_sky_weigh_pixels(s, at, side, a.right, right);
+        s->single ? gp_sky_single_pixels(s, place, weight, side, a.right, right)
+                  : gp_sky_weigh_pixels(s, place, side, a.right, right);
     gp_sky_own(s, s->p.w, s->p.h, y, &(int32_t) {x}, 1, &own);
     const float lane = (float) (g->block == 1 ? block > 0 : x % g->block);
     for (size_t i = 0; i < all; i++) {
