@@ -371,7 +371,8 @@ static gp_status check_outputs(const struct gp_log *log,
     const struct gp_command_row *c = gp_commands + 1;
     while (in->n && c->word && strcmp(c->word, in->at[0]) != 0)
         c++;
-    if (in->n && c->word && access(in->at[0], F_OK) != 0)
+    if (s->command == GP_COMMAND_MAIN && in->n && c->word &&
+        access(in->at[0], F_OK) != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: no such file (found a command's "
                        "name); write the command first: glarepp %s",

@@ -175,6 +175,17 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
         &light, NULL, NULL);
 }
 
+/* Words of an option of the page, which a picture has not: 0, 1, or 2 with its value. */
+static int words_of_page(const char *word)
+{
+    static const char NAME[] = "--html-size";
+    const size_t n = strlen(NAME);
+    return strncmp(word, NAME, n) != 0 ? 0
+           : word[n] == '='            ? 1
+           : word[n] == '\0'           ? 2
+                                       : 0;
+}
+
 /* Runs the main job with `last`, "--option=value", after what was given. */
 static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
     const struct gp_settings *s, char *last, struct sheet *sheet)
@@ -192,11 +203,15 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
     while (end < argc && strcmp(argv[end], "--") != 0)
         end++;
     for (int i = 0; i < argc; i++) {
-        if (i != 1)
-            word[words++] = argv[i];
-        if (i + 1 == end)
+        const int of_page = i > 1 && i < end ? words_of_page(argv[i]) : 0;
+        if (i == end)
             word[words++] = last;
+        if (i != 1 && !of_page)
+            word[words++] = argv[i];
+        i += of_page > 1;
     }
+    if (end >= argc)
+        word[words++] = last;
     GP_TRY(gp_options_parse(log, words, word, &one));
     one.output.write.pages = true;
     GP_TRY(gp_jobs_make(log, &one, &jobs));
