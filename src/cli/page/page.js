@@ -492,7 +492,7 @@ function showBench(entry) {
   for (let v = x0; v <= x1; v++) { line('grid', `M${x(v)} 20V370`); text(number(10 ** v), x(v), 386, {'text-anchor': 'middle'}); }
   for (let v = y0; v <= y1; v++) { line('grid', `M62 ${y(v)}H462`); text(`1e${v}`, 56, y(v) + 4, {'text-anchor': 'end'}); }
   text('milliseconds, bright pass to layer', 262, 408, {'text-anchor': 'middle'});
-  text('rel_l2', 6, 14, {});
+  text('rel_l2', 62, 14, {});
   line('tolerance', `M62 ${y(limit)}H462`);
   text('tolerance', 460, y(limit) - 4, {'text-anchor': 'end'});
   points.sort((p, q) => p.x - q.x || q.y - p.y);
@@ -586,7 +586,7 @@ async function open(i) {
   $('region').hidden = !(set.scale > 1 && set.region[2]);
   for (const id of ['a', 'b'])
     $(id).replaceChildren(...set.pictures.map((p, k) => make('option', p.file ? `${p.name}: ${p.file}` : p.name, {value: k})));
-  resize();
+  canvas.style.aspectRatio = `${set.w} / ${set.h}`; resize();
   if (!was || was.w !== set.w || was.h !== set.h) fit();
   if (worst) point(worst.x - set.x, worst.y - set.y);
   else point(set.w >> 1, set.h >> 1);
