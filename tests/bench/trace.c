@@ -112,7 +112,7 @@ static int is_open(const struct ray *r, int i)
 /* Sends a ray to surface i, and through it or back; 0: it is lost. */
 static int meet(struct ray *r, int i, int mirrors)
 {
-    const double back = r->d[2] < 0;
+    const int back = r->d[2] < 0;
     double normal[3] = {0, 0, -1}, t;
     const double z = vertex[i];
     if (radius[i] == 0) {
