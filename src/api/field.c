@@ -73,9 +73,9 @@ gp_status gp_api_has_axis(const struct glarepp_frame *f)
 
 /* The field of a frame: its angle of view is the plan's, else its camera's or
  * scene's, else its lens's, else the usual one. */
-struct gp_field gp_api_field(struct glarepp_frame *f)
+struct gp_field gp_api_field(struct glarepp_frame *f,
+                             struct glarepp_kernel_facts *facts)
 {
-    struct glarepp_kernel_facts *const facts = &f->facts.kernel;
     const struct gp_kernel_request *const r = f->plan->kernel->request;
     static const char *const NAME[] = {"plane", "perspective", "latlong",
                                        "fisheye", "equisolid"};
@@ -209,10 +209,10 @@ double gp_api_left_out(const struct glarepp_frame *f, const struct gp_kernel *k)
 
 gp_status gp_api_veil(struct glarepp_frame *f)
 {
-    const struct glarepp_kernel_facts kernel = f->facts.kernel;
     const struct gp_kernel_request *const r = f->plan->kernel->request;
     const struct gp_rect *const data = &f->image.data;
-    const struct gp_field field = gp_api_field(f);
+    struct glarepp_kernel_facts unused; // a frame without light has no kernel
+    const struct gp_field field = gp_api_field(f, &unused);
     struct gp_veil_params p = {
         .projection = field.projection,
         .at = {f->p.fixation[0], f->p.fixation[1]},
@@ -220,7 +220,6 @@ gp_status gp_api_veil(struct glarepp_frame *f)
         .age = 35.0,
         .pigment = 0.5,
     };
-    f->facts.kernel = kernel; // a frame without light has no kernel
     memset(&f->facts.veil, 0, sizeof f->facts.veil);
     if (!(p.white > 0.0) || p.projection.kind == GP_PLANE) {
         f->facts.veil.missing =

@@ -273,7 +273,8 @@ bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);
 
 /* Finds the field of a frame, and the facts of its angle; and widens it, so that lights
  * outside of the frame light all of it, and by its mirror image. */
-struct gp_field gp_api_field(struct glarepp_frame *f);
+struct gp_field gp_api_field(struct glarepp_frame *f,
+                             struct glarepp_kernel_facts *facts);
 void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field);
 
 /* Finds facts.veil, of a frame that wants it. Errors: GP_ERR_BUG out of memory. */

@@ -335,7 +335,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
     gp_status st;
     if (!f->sources.n && !(lights && gp_suns_have_light(&lights->suns, true)))
         return GP_OK;
-    struct gp_field field = gp_api_field(f);
+    struct gp_field field = gp_api_field(f, facts);
     gp_api_field_reach(f, &field);
     facts->ms = facts->cpu_ms = 0.0;
     GP_TRY(take_kernel(f, 0, &field, &f->kernel, &use));
@@ -403,9 +403,10 @@ struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
 {
     struct glarepp *const outer = gp_api_begin(f->plan->gp);
     struct gp_field field = {.aspect = 1.0}; // where memory is full
+    struct glarepp_kernel_facts unused;
     struct glarepp_rect all = {0};
     if (lend(f) == GP_OK)
-        field = gp_api_field(f);
+        field = gp_api_field(f, &unused);
     for (int i = 0; i <= f->plan->mores; i++) {
         const struct glarepp_rect one = reach_of(&f->plan->kernel[i], &field);
         all = (struct glarepp_rect) {

@@ -214,8 +214,8 @@ GP_MUST_CHECK gp_status gp_bench_extras(
 
 /* Measures a frame from file to file: `runs` times, each output in turn, written
  * to a folder in $TMPDIR, else /tmp. Without lights, lens and scene.
- * Errors: those of reading and computing; GP_ERR_IO no such folder. An output that cannot be written says
- * why. */
+ * Errors: those of reading and computing; GP_ERR_IO no such folder. An output that
+ * cannot be written says why. */
 GP_MUST_CHECK gp_status gp_bench_whole_run(
     const struct gp_log *log, const struct gp_bench_request *req,
     struct glarepp_kernel *kernel, const struct gp_frame *f,

@@ -655,7 +655,8 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
     size_t size = 0;
     gp_status st;
     if (!s->output.no_provenance && (r.wanted[0] || r.wanted[1]))
-        GP_TRY(gp_command_text(log, s, s->input.files.at, s->input.files.n, &command));
+        GP_TRY(gp_command_text(log, s, s->input.files.at, s->input.files.n,
+                               false, &command));
     r.write.command = command;
     r.write.dither = GP_DITHER_NEVER; // equal values become equal codes
     r.json = json ? open_memstream(&text, &size) : NULL;

@@ -300,7 +300,7 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
             GP_TRY(gp_page_make(p->log, p->s, "index", title, p->s->page.index,
                                 &p->index));
     }
-    new.shown = f &&may_show(p, &new);
+    new.shown = f ? may_show(p, &new) : false;
     if (f)
         GP_TRY(show(p, e, new.shown,
                     (size_t) ((room - strip) / gp_min(pairs, SHOWN)), side,
@@ -321,6 +321,16 @@ char *gp_compare_page_name(const struct gp_compare_pages *p, int frame)
 {
     return p->pattern.len ? gp_pattern_name(&p->pattern, frame, NULL)
                           : strdup(p->s->page.html);
+}
+
+/* The link from an index to a page in its folder or one below; NULL: it is elsewhere. */
+static const char *link_of(const char *index, const char *page)
+{
+    const size_t folder = (size_t) (gp_base_name(index) - index);
+    const bool below = folder ? strncmp(index, page, folder) == 0
+                              : gp_is_dash(index) || page[0] != '/';
+    return below && strncmp(page + folder, "../", 3) != 0 ? page + folder
+                                                          : NULL;
 }
 
 gp_status gp_compare_pages_begin(const struct gp_log *log,
@@ -344,6 +354,11 @@ gp_status gp_compare_pages_begin(const struct gp_log *log,
                        "frame (found %s); give --html a pattern, e.g. "
                        "page.####.html",
                        index, html ? html : "no --html"));
+    if (index && !link_of(index, html))
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "%s: its pages are not in its folder or below (found "
+                       "%s); give --html-index FOLDER/index.html",
+                       index, html));
     for (int i = 0; i < 2; i++) {
         if (files[i] && !gp_is_dash(files[i]))
             GP_TRY(gp_file_check(log, files[i], false));
@@ -388,7 +403,7 @@ gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
         if (!path)
             GP_TRY(gp_no_memory(p->log, p->s->page.html));
         if (p->index)
-            list_page(p, gp_base_name(path));
+            list_page(p, link_of(p->s->page.index, path));
         GP_TRY(write_page(p, path));
     }
     if (last && p->index) {

@@ -192,7 +192,7 @@ static json_t *about_row(const struct gp_log *log, const struct gp_settings *s,
     char *text = NULL;
     if (!s->input.files.n)
         return json_pack("{ss}", "name", row);
-    if (gp_command_text(log, s, in, 1, &text))
+    if (gp_command_text(log, s, in, 1, true, &text))
         return NULL;
     json_t *const o = json_pack("{ss so}", "name", row, "command",
                                 json_sprintf("glarepp %s -o out.png%s", options,

@@ -175,15 +175,16 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
         &light, NULL, NULL);
 }
 
-/* Words of an option of the page, which a picture has not: 0, 1, or 2 with its value. */
-static int words_of_page(const char *word)
+/* Words of an option that only the sheet has, no picture of it: 0, 1, or 2 with its
+ * value. */
+static int words_of_sheet(const char *word)
 {
-    static const char NAME[] = "--html-size";
-    const size_t n = strlen(NAME);
-    return strncmp(word, NAME, n) != 0 ? 0
-           : word[n] == '='            ? 1
-           : word[n] == '\0'           ? 2
-                                       : 0;
+    const char *const name = strncmp(word, "--", 2) == 0 ? word + 2 : "";
+    const size_t n = strcspn(name, "=");
+    const struct gp_option *const o = gp_option_find(name, n);
+    return !o || (o->commands & GP_COMMAND_MAIN) ? 0
+           : o->arg && !name[n]                  ? 2
+                                                 : 1;
 }
 
 /* Runs the main job with `last`, "--option=value", after what was given. */
@@ -203,12 +204,12 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
     while (end < argc && strcmp(argv[end], "--") != 0)
         end++;
     for (int i = 0; i < argc; i++) {
-        const int of_page = i > 1 && i < end ? words_of_page(argv[i]) : 0;
+        const int of_sheet = i > 1 && i < end ? words_of_sheet(argv[i]) : 0;
         if (i == end)
             word[words++] = last;
-        if (i != 1 && !of_page)
+        if (i != 1 && !of_sheet)
             word[words++] = argv[i];
-        i += of_page > 1;
+        i += of_sheet > 1;
     }
     if (end >= argc)
         word[words++] = last;
@@ -223,7 +224,7 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
     free(sheet->command);
     sheet->command = NULL;
     GP_TRY(gp_command_text(log, &one, one.input.files.at, one.input.files.n,
-                           &sheet->command));
+                           true, &sheet->command));
     gp_progress_open(&none, stderr, GP_PROGRESS_NEVER);
     st = gp_pipeline_run(log, gp, &one, &jobs, &none);
     gp_progress_close(&none);
@@ -263,7 +264,8 @@ static gp_status write_sheet(const struct gp_log *log,
         (struct gp_rect) {0, 0, sheet_w(sheet), sheet_h(sheet)});
     f.path = (char *) s->input.files.at[0];
     char *command = NULL;
-    gp_status st = gp_command_text(log, s, s->input.files.at, 1, &command);
+    gp_status st =
+        gp_command_text(log, s, s->input.files.at, 1, false, &command);
     p.command = command;
     for (int i = 0; i < s->output.pictures.n && !st; i++) {
         const char *const path = s->output.pictures.at[i];

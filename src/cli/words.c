@@ -135,7 +135,8 @@ static void print_options(FILE *f, const struct gp_settings *s,
 }
 
 gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
-                          const char *const *input, int inputs, char **out)
+                          const char *const *input, int inputs, bool whole,
+                          char **out)
 {
     char *text = NULL;
     size_t size;
@@ -145,15 +146,15 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
         return gp_no_memory_bare(log, "command line");
     const char *const word = gp_command_of(s->command)->word;
     fprintf(f, "glarepp%s%s", *word ? " " : "", word);
-    print_options(f, s, " ", false);
+    print_options(f, s, " ", whole);
     for (int i = 0; i < inputs; i++)
-        gp_word_print(f, "", 0, gp_base_name(input[i]));
+        gp_word_print(f, "", 0, whole ? input[i] : gp_base_name(input[i]));
     const bool full = ferror(f);
     // (glibc's fclose() succeeds even when the last block cannot be allocated)
-    const bool whole = fclose(f) == 0 && !full && text;
-    if (whole) // control characters would break listings of the file
+    const bool written = fclose(f) == 0 && !full && text;
+    if (written) // control characters would break listings of the file
         gp_make_printable(text);
-    json_t *const clean = whole ? gp_json_name(text) : NULL;
+    json_t *const clean = written ? gp_json_name(text) : NULL;
     free(text);
     *out = clean ? strdup(json_string_value(clean)) : NULL;
     json_decref(clean);

@@ -22,11 +22,12 @@ GP_MUST_CHECK gp_status gp_text_load(const struct gp_log *log, const char *path,
 
 /* The command line that makes the same picture of those inputs, from malloc:
  * the given options that a pixel can depend on, then the inputs; quoted for a
- * shell, in UTF-8, on one line, file names without their folders. */
+ * shell, in UTF-8, on one line, file names without their folders unless it is to run
+ * in the same place: `whole`. */
 GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
                                         const struct gp_settings *s,
                                         const char *const *input, int inputs,
-                                        char **out);
+                                        bool whole, char **out);
 
 /* The name of a path without its folders. */
 const char *gp_base_name(const char *path);

@@ -169,7 +169,15 @@ gp_status gp_json_fail(const struct gp_json_place *p, const char *fmt, ...)
 size_t gp_json_memory(const char *text, size_t bytes)
 {
     size_t sum = bytes;
+    bool quoted = false;
     for (size_t i = 0; i < bytes; i++) {
+        if (quoted && text[i] == '\\') {
+            i++; // an escaped quote ends no string
+            continue;
+        }
+        if (quoted && text[i] != '"')
+            continue;
+        quoted ^= text[i] == '"';
         switch (text[i]) {
         case '{':
             sum += 210;

@@ -55,7 +55,8 @@ GP_MUST_CHECK gp_status gp_open_regular(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_load_regular(const struct gp_log *log,
     const char *path, size_t most, void **out, uint64_t *size);
 
-/* Reads a regular file of at most `most` bytes. Duplicate keys are refused. Every number is read as a JSON_REAL, so that long integers (ids of
+/* Reads a regular file of at most `most` bytes. Duplicate keys are refused. Every
+ * number is read as a JSON_REAL, so that long integers (ids of
  * other programs) are no error. A byte order mark before the text is skipped.
  * Memory may reach 80 times the file's size.
  *   out  written on GP_OK only; json_decref()

@@ -47,4 +47,17 @@ for i in 1 2 3; do cp seed.exr s.$i.exr; done
 run compare -q --html 'p.#.html' --html-index index.html s.#.exr s.#.exr
 is "$(ls p.*.html index.html | tr '\n' ' ')" 'index.html p.1.html p.2.html p.3.html ' \
     'a page for each frame, and their index'
+mkdir below
+run compare -q --html 'below/p.#.html' --html-index over.html s.#.exr s.#.exr
+is "$(grep -o '"href":"[^"]*"' over.html | head -1)" '"href":"below/p.1.html"' \
+    'an index over the folder of its pages links to them'
+run compare -q --html 'p.#.html' --html-index below/index.html s.#.exr s.#.exr
+fails_with 64 below/index.html 'an index beneath its pages'
+cp seed.exr below/seed.exr
+run compare -q --html two.html seed.exr below/seed.exr
+like "$(grep -o '"command":"glarepp compare [^"]*"' two.html)" \
+    '*seed.exr below/seed.exr --html two.html"' 'its command keeps folders'
+run styles -q -o sheet.html --html-size 0.5 -t 2 seed.exr
+status_is 0 'styles: the size of a page is not for its pictures'
+ok 'styles --html-size' [ "$(wc -c <sheet.html)" -le 500000 ]
 done_testing

@@ -76,8 +76,8 @@ static void read_row(const struct gp_page_light *l, int c,
 static void read_luminance(const struct gp_page_light *l, struct gp_rect window,
                            int y, float *row, float *sum)
 {
-    static const float bt709[3] = {0.2126f, 0.7152f, 0.0722f};
-    const float *const weight = l->luminance ? l->luminance : bt709;
+    const float *const weight =
+        l->luminance ? l->luminance : gp_rec709_luminance;
     const size_t w = (size_t) gp_rect_w(window);
     memset(sum, 0, w * sizeof *sum);
     for (int c = 0; c < 3; c++) {
@@ -298,7 +298,7 @@ static void make_codes(const struct coder *k, int i, uint16_t *to)
     }
 }
 
-/* What MED leaves of a w x h block, as bytes. */
+/* Writes the bytes that MED leaves of a w x h block. */
 static void predict(const uint16_t *v, int w, int h, uint8_t *high,
                     uint8_t *low)
 {

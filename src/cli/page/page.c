@@ -27,15 +27,14 @@ gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
     const struct gp_texts *const in = &s->input.files;
     char *command = NULL, *text = NULL;
     size_t size;
-    gp_status st = gp_command_text(log, s, in->at, in->n, &command);
+    gp_status st = gp_command_text(log, s, in->at, in->n, true, &command);
     FILE *const f = st ? NULL : open_memstream(&text, &size);
     if (f) {
         fprintf(f, "%s %s", command, s->page.html ? "--html" : "-o");
-        gp_word_print(f, "", 0,
-                      gp_base_name(s->page.html ? s->page.html : path));
+        gp_word_print(f, "", 0, s->page.html ? s->page.html : path);
         if (s->page.index) {
             fprintf(f, " --html-index");
-            gp_word_print(f, "", 0, gp_base_name(s->page.index));
+            gp_word_print(f, "", 0, s->page.index);
         }
     }
     if (!st && (!f || fclose(f) != 0 || !text))

@@ -134,7 +134,7 @@ function luminance(p, at) {
 
 // Error of B against A at a sample: packed with B where A is the first picture, else
 // of the halfs.
-const packed = () => state.a === 0 && state.B.relative;
+const packed = () => state.a === 0 && state.B.relative, coarse = v => v > 90 ? 'over 90' : v ? `about ${+v.toPrecision(2)}` : 0;
 function relative(at) {
   if (packed()) return errors[packed()[at]];
   const [a, b] = [luminance(state.A, at), luminance(state.B, at)];
@@ -271,7 +271,7 @@ function readPixel(aloud) {
   }));
   const map = flip(), most = mean ? ', the most of them' : '';
   $('pixel').textContent = `pixel ${state.px + set.x}, ${state.py + set.y}` + (at < 0 ? ': outside'
-    : (mean ? `: means of ${set.scale} × ${set.scale} pixels` : '') + `; relative error ${number(relative(at))}${packed() ? most : ''}` +
+    : (mean ? `: means of ${set.scale} × ${set.scale} pixels` : '') + `; relative error ${packed() ? coarse(relative(at)) + most : number(relative(at))}` +
       (map ? `; FLIP ${(map[at] / 255).toFixed(3)}${most}` : ''));
   if (aloud) $('say').textContent = $('pixel').textContent + '; ' + rows.slice(0, 2).map(r => r.join(' ')).join('; ');
 }
@@ -383,7 +383,7 @@ function sortable(columns, rows) {
       const cell = make(i ? 'td' : 'th', v instanceof Node ? undefined : number(v), i ? {} : {scope: 'row'});
       if (v instanceof Node) cell.append(v);
       if (i && v instanceof Node) cell.className = 'text';
-      if (typeof v === 'string') cell.className = 'text ' + (i ? v.replace(/^file /, '') : '');
+      if (typeof v === 'string') cell.className = 'text ' + (i && /^(file )?\w+$/.test(v) ? v.replace('file ', '') : '');
       r.tr.append(cell);
     });
     body.append(r.tr);
@@ -532,15 +532,15 @@ function mark(name) {
 function choose(row) {
   const i = state.set ? state.set.pictures.findIndex(p => p.name === row.name) : -1;
   if (i >= 0) pick(0, i);
-  else mark(row.name);
+  else { mark(row.name); $('named').textContent = `${row.name}: its picture is not on the page`; }
 }
 
 // -- entries ---------------------------------------------------------------------------------
 
 async function pick(a, b) {
-  const set = state.set;
+  const set = state.set, turn = state.turn = (state.turn || 0) + 1;
   const [A, B] = await Promise.all([picture(set, a), picture(set, b)]);
-  if (set !== state.set) return; // another was chosen meanwhile
+  if (set !== state.set || turn !== state.turn) return; // another was chosen meanwhile
   Object.assign(state, {a, b, A, B});
   $('a').value = a;
   $('b').value = b;
@@ -557,11 +557,11 @@ async function pick(a, b) {
 const several = () => page.entries.length > 1;
 const coloured = (text, result) => make('span', text, {class: result.replace('file ', '')});
 
-// How many pairs have each result.
+// Counts the pairs of each result.
 function tally() {
   const count = {};
   for (const e of page.entries) if (e.facts) count[e.facts.result] = (count[e.facts.result] || 0) + 1;
-  return several() ? Object.entries(count).map(([k, n]) => coloured(`${n} ${k}, `, k)) : [];
+  return several() ? Object.entries(count).map(([k, n]) => coloured(`${n} ${k} `, k)) : [];
 }
 
 async function open(i) {
@@ -662,7 +662,7 @@ function listen() {
     drag = nearWipe(p[0]) ? 'wipe' : p;
     canvas.setPointerCapture(e.pointerId);
   };
-  canvas.onpointerup = canvas.onpointercancel = () => { drag = null; };
+  canvas.onpointerup = canvas.onpointercancel = () => { if (drag === 'wipe') $('wipe').focus(); drag = null; };
   canvas.onpointermove = e => {
     const [x, y] = at(e);
     if (!state.set || !state.A) return;

@@ -157,6 +157,7 @@ static struct errors levels_error(const struct gp_sky *s, const double at[2])
 struct apart {
     double *right, *wrong;
     int w, h;
+    double level[GP_SKY_LEVELS]; // of levels that have one weight a node
 };
 
 /* The errors at a place over the layer. */
@@ -184,7 +185,7 @@ static double error_at(const struct gp_sky *s, int x, int y,
     if (s->single) // its near weights are what others leave
         return sqrt(wrong / all) +
                gp_sky_single_error(s, at, gp_sky_ellipse_at(p, x, y).most,
-                                   a->right);
+                                   a->level, a->right);
     const struct errors e = levels_error(s, at);
     return sqrt(wrong / right) + fmax(e.even, e.lamp / sqrt(all));
 }
@@ -211,12 +212,12 @@ static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
     if (g->block > 1)
         gp_sky_find_factors(&w, block, count, factor);
     const double place[2] = {x, y};
-    double weight[GP_SKY_LEVELS];
     if (s->single)
-        gp_sky_single_fit(s, place, side, weight);
+        gp_sky_single_fit(s, place, side, a.level);
     const double stays =
-        s->single ? gp_sky_single_pixels(s, place, weight, side, a.right, right)
-                  : gp_sky_weigh_pixels(s, place, side, a.right, right);
+        s->single
+            ? gp_sky_single_pixels(s, place, a.level, side, a.right, right)
+            : gp_sky_weigh_pixels(s, place, side, a.right, right);
     gp_sky_own(s, s->p.w, s->p.h, y, &(int32_t) {x}, 1, &own);
     const float lane = (float) (g->block == 1 ? block > 0 : x % g->block);
     for (size_t i = 0; i < all; i++) {

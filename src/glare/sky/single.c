@@ -10,8 +10,7 @@
  * Weights, none of them negative, are those of least squares over all offsets but the
  * NEAR ones, which level 0 makes right; offsets count by their length, as all rings have
  * about as much light, and so does what all miss together, which light that is even
- * meets. The last level is as ever: its term is right far
- * out, in every direction.
+ * meets. The last level is as ever: its term is right far out, in every direction.
  *
  * Errors: what the fit misses, and how much the same weight differs from place to place
  * of a grid. In the light of a lamp that is a norm; light that is even but for one
@@ -215,13 +214,10 @@ double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
         const double from[2] = {at[0] - x, at[1] - y};
         const double c =
             gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
-        const double away = sqrt(c) / most;
         const double solid = gp_projection_solid(p, from[0], from[1]);
-        if (away >= 2.0) // nearer, rings have it
-            v[i] = solid * gp_sky_mean(&s->light, p, 0.0, 0.0,
-                                       gp_sky_order(away), at, from);
-        v[i] -= solid *
-                gp_sky_soft(&s->light, gp_sky_scale(s, s->levels - 1, most), c);
+        v[i] = gp_sky_pixel(s, at, from, most, v[i]) -
+               solid * gp_sky_soft(&s->light,
+                                   gp_sky_scale(s, s->levels - 1, most), c);
         for (int l = 1; l < s->levels - 1; l++)
             v[i] -= solid * weight[l] * weight_at(s->single, l, x, y);
         out[(size_t) (i / w) * g->pitch + (size_t) (i % w)] =
@@ -253,15 +249,14 @@ static double most_of(const struct gp_sky_single *s, const double missed[MOST])
 }
 
 double gp_sky_single_error(const struct gp_sky *sky, const double at[2],
-                           double most, const double *near)
+                           double most, const double weight[GP_SKY_LEVELS],
+                           const double *near)
 {
     enum { SIDE = 2 * NEAR + 1 };
     static const double IMAGES = 0.02698; // sinc^8(1/2)
     const struct gp_sky_single *const s = sky->single;
     const double solid = gp_projection_solid(&sky->p.projection, at[0], at[1]);
     double missed[MOST], square = 0.0, all = 0.0, images = 0.0;
-    double weight[GP_SKY_LEVELS];
-    gp_sky_single_fit(sky, at, most, weight);
     for (int i = 0; i < s->samples; i++) {
         const struct sample *const v = &s->sample[i];
         const double light = light_at(sky, at, most, v->x, v->y);

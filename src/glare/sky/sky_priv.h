@@ -164,6 +164,11 @@ double gp_sky_soft_term(const struct gp_sky *s, int level, double most,
 /* Divides the samples of the cubic B-spline out of w x h terms, zero beyond. */
 void gp_sky_divide(double *v, int w, int h);
 
+/* The light that pixel `at` gets from pixel `from`, of which gp_sky_rings() has put
+ * `ringed` there where both are near. */
+double gp_sky_pixel(const struct gp_sky *s, const double at[2],
+                    const double from[2], double most, double ringed);
+
 /* Fill the weights of a level >= 1, or of pixels, at a place, as level.weight has
  * them; scratch: (2 rx + 1) (2 ry + 1) numbers. Of pixels, the share that stays is
  * returned. */
@@ -188,10 +193,11 @@ double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
                             const double weight[GP_SKY_LEVELS], double most,
                             double *scratch, float *out);
 
-/* The norm of the error at a place over the layer's; `near` has the pixels' weights,
- * what stays among them. */
+/* The norm of the error of these weights at a place over the layer's; `near` has the
+ * pixels' weights, what stays among them. */
 double gp_sky_single_error(const struct gp_sky *s, const double at[2],
-                           double most, const double *near);
+                           double most, const double weight[GP_SKY_LEVELS],
+                           const double *near);
 
 // -- bound.c ------------------------------------------------------------------
 

@@ -102,6 +102,18 @@ void gp_sky_weigh_level(const struct gp_sky *s, int l, const double at[2],
     }
 }
 
+double gp_sky_pixel(const struct gp_sky *s, const double at[2],
+                    const double from[2], double most, double ringed)
+{
+    const struct gp_projection *const p = &s->p.projection;
+    const double away =
+        sqrt(gp_projection_chord2(p, at[0], at[1], from[0], from[1])) / most;
+    return away >= 2.0 ? gp_projection_solid(p, from[0], from[1]) *
+                             gp_sky_mean(&s->light, p, 0.0, 0.0,
+                                         gp_sky_order(away), at, from)
+                       : ringed; // rings have it
+}
+
 double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
                            double most, double *v, float *out)
 {
@@ -117,13 +129,10 @@ double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
         const double from[2] = {at[0] - x, at[1] - y};
         const double c =
             gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
-        const double away = sqrt(c) / most;
         const double solid = gp_projection_solid(p, from[0], from[1]);
-        if (c > a * (1.0 + 2.0 / s->ratio))
-            v[i] = 0.0;       // soft light is as it is
-        else if (away >= 2.0) // nearer, rings have it
-            v[i] = solid * gp_sky_mean(&s->light, p, 0.0, 0.0,
-                                       gp_sky_order(away), at, from);
+        v[i] = c > a * (1.0 + 2.0 / s->ratio)
+                   ? 0.0 // soft light is as it is
+                   : gp_sky_pixel(s, at, from, most, v[i]);
         if (v[i] != 0.0) // the soft part as its own level has it
             v[i] -= solid * gp_sky_mean(&s->light, p, a, 0.0, 2, at, from);
         const bool none = (!x && !y) || is_negligible(s, 0, at, from, most,

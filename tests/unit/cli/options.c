@@ -162,8 +162,14 @@ static void commands_make_the_same_picture(void **state)
         char *text;
         assert_ok(parse(rows[i].line, &s));
         assert_ok(gp_command_text(&kept_log, &s, s.input.files.at,
-                                         s.input.files.n, &text));
+                                  s.input.files.n, false, &text));
         assert_string_equal(text, rows[i].want);
+        free(text);
+        assert_ok(gp_command_text(&kept_log, &s, s.input.files.at,
+                                  s.input.files.n, true, &text));
+        for (int k = 0; k < s.input.files.n; k++) // as given, but for quotes
+            assert_true(!strchr(s.input.files.at[k], '/') ||
+                        strstr(text, s.input.files.at[k]));
         free(text);
         gp_settings_free(&s);
     }

@@ -310,7 +310,20 @@ static void files_without_a_number(void **state)
     json_decref(o);
 }
 
+/* Values are counted, and no bracket within a string. */
+static void memory_is_of_values(void **state)
+{
+    static const char one[] = "{\"a\": \"[{,:\\\"[{\\\\\"}",
+                      two[] = "{\"a\": [{}, []]}";
+    (void) state;
+    assert_int_equal(gp_json_memory(one, sizeof one - 1),
+                     sizeof one - 1 + 210 + 4 * 24 + 40);
+    assert_int_equal(gp_json_memory(two, sizeof two - 1),
+                     sizeof two - 1 + 2 * 210 + 2 * 120 + 2 * 24 + 2 * 40);
+}
+
 SUITE_OF(json, make_folder, remove_folder, files_by_content,
-    files_that_cannot_be_read, sizes_up_to_the_limit, deep_nesting_is_an_error,
-    a_decimal_comma_changes_nothing, arrays_and_keys,
-    long_names_are_cut, values, files_without_a_number)
+         files_that_cannot_be_read, sizes_up_to_the_limit,
+         deep_nesting_is_an_error, a_decimal_comma_changes_nothing,
+         arrays_and_keys, long_names_are_cut, values, files_without_a_number,
+         memory_is_of_values)

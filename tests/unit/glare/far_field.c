@@ -263,7 +263,7 @@ static double wave_error(const struct made *m, const struct wave *wave,
     return norm;
 }
 
-/* What a kernel has between the frequencies of the grid and the next ones is in
+/* Light that a kernel has between the frequencies of the grid and the next ones is in
  * the limits: of light that waves alike, of the column and of the worst pixel of
  * one light. */
 static void what_the_grid_does_not_hold_is_in_the_limits(void **state)
@@ -296,7 +296,7 @@ static void what_the_grid_does_not_hold_is_in_the_limits(void **state)
     drop_far(&m);
 }
 
-/* Where the grid holds all of a kernel, roundings are what is wrong: three of
+/* Roundings are the error where the grid holds all of a kernel: three of
  * float, of a flat light that a search found. */
 static void roundings_are_in_the_limits(void **state)
 {

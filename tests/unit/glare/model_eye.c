@@ -240,7 +240,7 @@ static void needles_end_where_they_are_said_to(void **state)
     gp_recipe_free(&rays);
 }
 
-/* What a halo adds, in luminance, is its weight of eqs. 7 and 8 times f3. */
+/* A halo adds, in luminance, its weight of eqs. 7 and 8 times f3. */
 static void halos_have_their_weights(void **state)
 {
     enum { BANDS = 20 };

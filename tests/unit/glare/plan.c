@@ -160,7 +160,7 @@ static struct scene far_scene(void)
     return s;
 }
 
-/* What the far field's grid does not hold is in the bound that is reported, of a
+/* The light that the far field's grid does not hold is in the bound that is reported, of a
  * named engine too; it is over what roundings are. */
 static void a_far_field_is_in_the_bound(void **state)
 {
@@ -182,7 +182,7 @@ static void a_far_field_is_in_the_bound(void **state)
     scene_free(&s);
 }
 
-/* Where a far field guarantees a pixel too little, the whole kernel is summed. */
+/* The whole kernel is summed if a far field guarantees a pixel too little. */
 static void a_pixel_may_need_the_whole_kernel(void **state)
 {
     struct scene s = scene_sense(scene_frame(FAR_W, FAR_H, 0, 0, FEW, 3u),

@@ -28,7 +28,7 @@ static void vertices_of_objects(void **state)
     }
 }
 
-/* Where a mesh has many vertices for the number of objects, they are held by the
+/* Objects of a mesh of many vertices for their number are held by the
  * corners of its box: every vertex, and little more. */
 static void large_mesh(void **state)
 {
