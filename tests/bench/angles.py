@@ -17,7 +17,8 @@ a perspective view, against the glare of that view.
 
 With FRAMES, the folder that frames.py fills, also the time of the glare stage and the
 memory by perspective over those by plane, at three angles, and those of a lat-long of
-4096x2048: medians of frames that follow the first, runs in turn.
+4096x2048, and of the default style with --tolerance 0.01: medians of frames that follow
+the first, runs in turn.
 """
 import json
 import math
@@ -217,13 +218,15 @@ def views():
                100 * np.quantile(abs(off) / want[~near], 0.95)))
 
 
-def speed_row(folder, frames, fov, way, runs, *head):
-    """Prints times of a projection over the plane's, runs in turn."""
+def speed_row(folder, frames, fov, way, runs, *head, words=("-k", "eye"), own=()):
+    """Prints times of a projection, which has its own words, over the plane's, runs in
+    turn."""
     rows = {"plane": [], way: []}
     for _ in range(runs):
         for name, found in rows.items():
-            subprocess.run([GLAREPP, "-q", "-k", "eye", "--fov", str(fov), "--projection",
-                            name, "--layer", folder + "/l.@.pfm", "--report", folder + "/r",
+            subprocess.run([GLAREPP, "-q", *words, *(own if name == way else ()),
+                            "--fov", str(fov), "--projection", name,
+                            "--layer", folder + "/l.@.pfm", "--report", folder + "/r",
                             os.path.join(folder, frames)], check=True)
             with open(folder + "/r", encoding="utf-8") as f:
                 found.append([json.loads(line) for line in f])
@@ -265,6 +268,10 @@ def speeds(frames):
         for fov in 20, 40, 90:
             for name in "w1", "w2", "w3":
                 speed_row(folder, name + ".@.exr", fov, "perspective", 3, str(fov), name)
+        # the default style, one thread, one weight a node
+        for name in "w1", "w2", "w3":
+            speed_row(folder, name + ".@.exr", 30, "perspective", 3, "30, 0.01", name,
+                      words=("--threads", "1"), own=("--tolerance", "0.01"))
 
 
 if __name__ == "__main__":

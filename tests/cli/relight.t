@@ -30,7 +30,7 @@ fails_with 2 'give --depth-type z' 'distances from the eye'
 frame lit.exr channels=R,G,B,Z:float,N.X,N.Y,N.Z,albedo.R,albedo.G,albedo.B \
     kind=dark size=64x36
 frame still.exr channels=R,G,B,Z:float kind=dark size=64x36
-up="--scene-up y" # the normals of lit.exr are of no surface
+up="--scene-up y --sun-share depth" # depth and normals of lit.exr are of no surface
 run --scene $street $up --relight lamp6 --relight lamp1 --report r.json \
     -o o.png lit.exr
 status_is 0 'two lamps, of which one lights nothing'
