@@ -117,7 +117,7 @@ cat >interrupt.py <<'PY'
 import os, random, shutil, signal, subprocess, sys, time
 program, times = sys.argv[1], int(sys.argv[2])
 rng = random.Random(7)
-words = [program, "--frame-jobs", "7", "--threads", "4", "-e", "direct", "-f",
+words = [program, "-q", "--frame-jobs", "7", "--threads", "4", "-e", "direct", "-f",
          "1-5,7-17", "--compression", "zip", "--hdr", "made/h.####.exr", "-o",
          "made/p.####.png", "in/s.####.exr"]
 
