@@ -309,6 +309,13 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
             return st;
         least = fmax(least, other);
     }
+    if (k->sky) { // by the sum of samples: their mean square is no less than the mean's
+        double sum = 0.0;
+        for (int c = 0; c < 3; c++)
+            sum += src->flux[c] * src->flux[c];
+        least = fmax(least, gp_sky_error_of(k->sky)->kept *
+                                sqrt(sum / ((double) src->w * src->h)));
+    }
     // (adding the far field rounds once, light from beyond the border 4 times)
     *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;
     *floor += k->sky && !req->exact ? gp_sky_error_of(k->sky)->relative : 0.0;

@@ -7,6 +7,7 @@
  *   F(r^2) d phi / 2 pi,   d phi = p . (e x de) / |p x e|^2
  *
  * p the direction of the place, e that of the border, all the way around. */
+#include "core/cpu.h"
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -220,6 +221,28 @@ static gp_status find_outside_error(const struct gp_log *log, struct gp_sky *s)
     return GP_OK;
 }
 
+/* Finds the least share of a source's light that all samples of its layer sum to: what
+ * falls into the frame, of a pixel of the smallest solid angle over the largest. */
+static void find_kept(struct gp_sky *s)
+{
+    const struct gp_projection *const p = &s->p.projection;
+    double least = INFINITY, most = 0.0, out = 0.0;
+    for (int i = 0; i < 9; i++) {
+        const double middle[2] = {fmin(fmax(p->x0, 0.0), s->p.w - 1),
+                                  fmin(fmax(p->y0, 0.0), s->p.h - 1)};
+        double at[2] = {i % 3 == 1 ? middle[0] : (i % 3) * 0.5 * (s->p.w - 1),
+                        i / 3 == 1 ? middle[1] : (i / 3) * 0.5 * (s->p.h - 1)};
+        gp_projection_pull(p, 0.0, at);
+        const double solid = gp_projection_solid(p, at[0], at[1]);
+        least = fmin(least, solid);
+        most = fmax(most, solid);
+    }
+    for (int i = 0; i < s->outer[0] * s->outer[1]; i++)
+        out = fmax(out, (double) s->outside[i]);
+    s->error.kept =
+        0.99 * fmax(s->spread + s->light.stays - out, 0.0) * least / most;
+}
+
 gp_status gp_sky_outside_table(const struct gp_log *log, struct gp_sky *s)
 {
     gp_status st = GP_OK;
@@ -244,31 +267,66 @@ gp_status gp_sky_outside_table(const struct gp_log *log, struct gp_sky *s)
         const int down = s->even[1] && y > h - 1 - y ? h - 1 - y : y;
         s->outside[i] = s->outside[down * w + from];
     }
+    find_kept(s);
     return find_outside_error(log, s);
 }
 
+/* The first of the four places around place i of n, or of as many as there are. */
+static int first_of(int i, int n)
+{
+    return gp_max(gp_min(i - 1, n - 4), 0);
+}
+
+/* The share at the places of four columns from i on, in row y. */
+static void find_columns(const struct gp_sky *s, int first, int y, int i,
+                         double v[4])
+{
+    const int n = gp_min(s->outer[1] - first, 4);
+    const int columns = gp_min(s->outer[0] - i, 4);
+    const int *const at = s->outer_at[1] + first;
+    memset(v, 0, 4 * sizeof *v);
+    for (int j = 0; j < n; j++) { // Lagrange
+        double by = 1.0;
+        for (int k = 0; k < n; k++)
+            by *= k == j ? 1.0 : (double) (y - at[k]) / (at[j] - at[k]);
+        for (int k = 0; k < columns; k++)
+            v[k] += by * (double) s->outside[(first + j) * s->outer[0] + i + k];
+    }
+}
+
+/* Fills pixels [from, end) of a row by Newton's form of a cubic. */
+GP_CLONES static void cubic_row(const double v[4], const int *at, int n,
+                                int from, int end, float *restrict row)
+{
+    const float a = (float) v[0], b = (float) v[1], c = (float) v[2];
+    const float d = (float) v[3], x0 = (float) at[0];
+    const float x1 = (float) at[n > 1], x2 = (float) at[n > 2 ? 2 : 0];
+    for (int i = from; i < end; i++) {
+        const float x = (float) i;
+        row[i] =
+            gp_maxf(a + (x - x0) * (b + (x - x1) * (c + (x - x2) * d)), 0.0f);
+    }
+}
+
+/* Cubics through the four places around each, or as many as there are. */
 void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)
 {
-    int j = 0;
+    const int *const at = s->outer_at[0];
+    int j = 0, end = 0;
     if (s->sphere) {
         memset(row, 0, (size_t) s->p.w * sizeof *row);
         return;
     }
-    while (j + 2 < s->outer[1] && s->outer_at[1][j + 1] <= y)
+    while (j + 1 < s->outer[1] && s->outer_at[1][j + 1] <= y)
         j++;
-    const int last = gp_min(j + 1, s->outer[1] - 1);
-    const int gap = gp_max(s->outer_at[1][last] - s->outer_at[1][j], 1);
-    const float down = (float) (y - s->outer_at[1][j]) / (float) gap;
-    const float *const upper = s->outside + j * s->outer[0];
-    const float *const lower = s->outside + last * s->outer[0];
-    for (int i = 0; i + 1 < s->outer[0]; i++) {
-        const int from = s->outer_at[0][i], to = s->outer_at[0][i + 1];
-        const float a = upper[i] + down * (lower[i] - upper[i]);
-        const float b = upper[i + 1] + down * (lower[i + 1] - upper[i + 1]);
-        const float slope = (b - a) / (float) (to - from);
-        for (int x = from; x <= to; x++)
-            row[x] = a + slope * (float) (x - from);
+    for (int i = 0; i < s->outer[0]; i++) {
+        const int first = first_of(i, s->outer[0]), from = end;
+        double v[4];
+        find_columns(s, first_of(j, s->outer[1]), y, first, v);
+        for (int k = 1; k < gp_min(s->outer[0], 4); k++) // Newton's differences
+            for (int m = gp_min(s->outer[0], 4) - 1; m >= k; m--)
+                v[m] = (v[m] - v[m - 1]) / (at[first + m] - at[first + m - k]);
+        end = i + 1 < s->outer[0] ? at[i + 1] : s->p.w;
+        cubic_row(v, at + first, gp_min(s->outer[0], 4), from, end, row);
     }
-    if (s->outer[0] == 1)
-        row[0] = upper[0] + down * (lower[0] - upper[0]);
 }

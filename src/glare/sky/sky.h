@@ -119,10 +119,11 @@ double gp_sky_outside(const struct gp_sky *sky, double x, double y);
  * 1e-3 of the light. */
 void gp_sky_outside_row(const struct gp_sky *sky, int y, float *row);
 
-/* Limits of the error of gp_sky_add(). */
+/* Limits of the error of gp_sky_add(), and of its layer. */
 struct gp_sky_error {
     double relative; // the error's 2-norm over the layer's
     double outside;  // of gp_sky_outside_row(): the root of its mean square
+    double kept;     // samples of a source's layer sum to no less a share of it
 };
 const struct gp_sky_error *gp_sky_error_of(const struct gp_sky *sky);
 
