@@ -13,9 +13,13 @@
 
 enum {
     MOST_FILE = INT_MAX - 1, // bytes; numbers of bytes fit an int
-    GLB_HEADER = 12, CHUNK_HEADER = 8,
-    GLB_JSON = 0x4e4f534a, GLB_BINARY = 0x004e4942,
-    MOST_FIXED = 64 << 20, MOST_COPIES = 32,
+    GLB_HEADER = 12,
+    CHUNK_HEADER = 8,
+    GLB_JSON = 0x4e4f534a,
+    GLB_BINARY = 0x004e4942,
+    MOST_FIXED = 64 << 20,
+    MOST_COPIES = 32,
+    MOST_JSON = 1 << 30, // bytes of values beside the text: 1e6 nodes, 4 s
 };
 
 /* All lists that the reader knows. */
@@ -398,8 +402,15 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
     else
         json = (struct gp_gltf_span) {out->file, (int) out->file_bytes};
     const char *const text = (const char *) json.at;
-    GP_TRY(gp_gltf_take(out, gp_json_memory(text, (size_t) json.bytes)));
-    GP_TRY(gp_json_parse(log, path, text, (size_t) json.bytes, &out->root));
+    const size_t bytes = (size_t) json.bytes;
+    const size_t memory = gp_json_memory(text, bytes);
+    if (memory - bytes > MOST_JSON)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: its JSON would take %zu MiB (%d "
+                       "are allowed); export fewer objects",
+                       path, memory >> 20, MOST_JSON >> 20));
+    GP_TRY(gp_gltf_take(out, memory));
+    GP_TRY(gp_json_parse(log, path, text, bytes, &out->root));
     if (json.at == out->file)
         GP_FREE(out->file);
     GP_TRY(check_root(out));

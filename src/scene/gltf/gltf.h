@@ -32,9 +32,9 @@ struct gp_scene_images {
  * their rest pose, instances of one node (EXT_mesh_gpu_instancing) are one, and
  * hidden nodes (KHR_node_visibility) are placed.
  *
- * Memory: 64 MiB, 32 times the size of the file, and 2 bytes for each texel of
- * its cut-outs: at most 2^24 texels, each image once; what `images` takes to
- * decode one comes on top.
+ * Memory: 64 MiB, 32 times the size of the file, of which values of its JSON take
+ * at most 1 GiB, and 2 bytes for each texel of its cut-outs: at most 2^24 texels,
+ * each image once; what `images` takes to decode one comes on top.
  *
  * Errors: GP_ERR_IO a file cannot be read; GP_ERR_DATA not glTF 2.0, damaged, it,
  * its buffer or an image is no regular file, a circle of nodes, a number out of

@@ -531,6 +531,9 @@ static void memory_is_in_proportion_to_the_file(void **state)
     for (size_t i = 0; i < COUNT(row); i++)
         gm_refused(write_many(row[i].key, row[i].item, row[i].n), GP_ERR_DATA,
                    "out of proportion");
+    // in proportion, but seconds and GBs
+    gm_refused(write_many("meshes", "{\"primitives\":[]}", 2500000),
+               GP_ERR_DATA, "its JSON would take");
     struct gp_scene s =
         gm_read(write_many("nodes", "{}", 100000), GLAREPP_UP_Y);
     gp_scene_free(&s);
