@@ -41,7 +41,7 @@ static const struct hint hints[] = {
     HINT("layer.engine", "use --engine fft")
     HINT("layer.engine.fft", "use --engine direct")
     HINT("layer.gain", "lower --gain, or give --max-value")
-    HINT("layer.gl", "use the other --gl (osmesa or egl), or --engine fft")
+    HINT("layer.gl", "use the other --gl (osmesa or egl)")
     HINT("layer.gl.egl", "use --gl osmesa")
     HINT("layer.gl.none", "use --engine fft and --sun-method exact, which need "
          "none")
@@ -147,6 +147,22 @@ static struct kernel_words words_of(const struct gp_settings *s,
     return w;
 }
 
+/* Returns a message's parameter; where GL failed, one whose hint gives what of the
+ * settings does without: nothing for sets. */
+static const char *parameter_of(const struct gp_settings *s,
+                                const struct glarepp_message *m)
+{
+    const char *const engine = s->light.layer.engine;
+    const bool splat = engine && strcmp(engine, "splat") == 0;
+    if (m->status != GLAREPP_ERR_GL ||
+        (strcmp(m->parameter, "layer.engine") != 0 &&
+         strcmp(m->parameter, "layer.gl.none") != 0))
+        return m->parameter;
+    if (s->sun.p.method != GLAREPP_EXACT)
+        return splat ? "layer.gl.none" : "lights.method";
+    return splat ? "layer.engine" : "";
+}
+
 static _Thread_local const struct gp_log *about;
 
 void gp_hear_about(const struct gp_log *log)
@@ -159,16 +175,15 @@ void gp_hear(void *user, const struct glarepp_message *m)
     const struct gp_listener *const l = user;
     const struct gp_log *const to = m->user ? m->user : about ? about : l->log;
     const struct kernel_words words = words_of(l->s, m->parameter);
+    const char *const hint = gp_hint(parameter_of(l->s, m), m->text);
     if (gp_no_depth(l->s) && strcmp(m->parameter, "frame.coverage") == 0)
         return; // that nothing hides the lights was asked for
     if (m->level == GLAREPP_ERROR)
         (void) (m->bare ? gp_fail_bare : gp_fail)(
-            to, (gp_status) m->status, "%s%s%s", words.text, m->text,
-            gp_hint(m->parameter, m->text));
+            to, (gp_status) m->status, "%s%s%s", words.text, m->text, hint);
     else
-        gp_say(to, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO
-                                                 : GP_LEVEL_WARN,
-               "%s%s%s", words.text, m->text, gp_hint(m->parameter, m->text));
+        gp_say(to, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO : GP_LEVEL_WARN,
+               "%s%s%s", words.text, m->text, hint);
 }
 
 // -- what it is given ---------------------------------------------------------

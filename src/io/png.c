@@ -27,7 +27,10 @@ static void on_warning(png_structp png, png_const_charp message)
 // -- reading ------------------------------------------------------------------
 
 enum {
-    MOST_TEXTS = 64,           // a file's: each may unpack to 8 MB
+    IDAT = 0x49444154,
+    MOST_TEXTS = 64, // a file's: each may unpack to 8 MB
+    MOST_END = 16, // bytes of a zlib stream after the last row: ends of blocks,
+                   // an empty one, a checksum
 };
 
 struct png_input {
@@ -39,6 +42,8 @@ struct png_input {
     png_structp png;
     png_infop info;
     size_t stride;             // bytes of a row
+    bool done, surplus;        // all rows are read; there is more
+    size_t after;              // bytes of IDAT that were read once done
     int width, height, channels, bytes; // bytes of a sample
     float gamma;               // as OpenImageIO rounds it; 1 none
     char space[24];
@@ -59,18 +64,18 @@ static void read_bytes(png_structp png, png_bytep to, size_t n)
     if (got != (int64_t) n)
         png_error(png, "the file ends too early");
     in->at += n;
+    if (in->done && png_get_io_state(png) & PNG_IO_CHUNK_DATA &&
+        png_get_io_chunk_type(png) == IDAT)
+        in->after += n;
 }
 
-/* libpng only warns of rows that the picture has no place for. */
+/* libpng only warns of rows that the picture has no place for, and not of those
+ * in a further IDAT. */
 static void on_read_warning(png_structp png, png_const_charp message)
 {
     struct png_input *in = png_get_error_ptr(png);
-    if (strstr(message, "Too much image data") ||
-        strstr(message, "Extra compressed data"))
-        gp_say(in->log, GP_LEVEL_WARN,
-               "%s: more data than its %d x %d pixels; "
-               "the rest is left out",
-               in->path, in->width, in->height);
+    in->surplus |= strstr(message, "Too much image data") ||
+                   strstr(message, "Extra compressed data");
 }
 
 static void on_read_error(png_structp png, png_const_charp message)
@@ -191,8 +196,13 @@ static gp_status read_all(struct png_input *in, long long max_pixels)
         for (size_t y = 0; y < h; y++)
             png_read_row(png, in->rows + y * in->stride, NULL);
     }
+    in->done = true;
     if (!st)
         png_read_end(png, NULL);
+    if (!st && (in->surplus || in->after > MOST_END))
+        gp_say(in->log, GP_LEVEL_WARN,
+               "%s: more data than its %d x %d pixels; the rest is left out",
+               in->path, in->width, in->height);
     return st;
 }
 

@@ -166,8 +166,10 @@ gp_status gp_lens_read(const struct gp_log *log, const char *name,
         const int n = snprintf(file, sizeof file, "lenses/%s.json", name);
         if ((size_t) n >= sizeof file ||
             !gp_example_find(file, path, sizeof path))
-            return gp_fail_at(log, GP_ERR_IO, "lens.lens", "%s: no installed "
-                              "lens has this name; give a file", name);
+            return gp_fail_at(log, GP_ERR_IO, "lens.lens",
+                              "%s: no installed "
+                              "lens has this name; write a file as ./%s",
+                              name, name);
         p.path = path;
     }
     gp_status st = gp_json_read(log, p.path, GP_JSON_SMALL, &root);

@@ -145,9 +145,7 @@ for device in /dev/zero /dev/urandom; do
     none='*: not a format that glarepp reads (unknown data, *); convert it, *'
     endless $device "$none" "$device as input" $device
     endless - "$none" "$device as stdin" - <$device
-    endless $device "$none" "$device as kernel" -k $device in.exr
-    endless $device "$none" "$device as depth" --sun 9,9 --depth-file $device \
-        in.exr
+    endless $device '*: no regular file (*' "$device as kernel" -k $device in.exr
     bounded compare $device in.exr
     fails_with 4 $device "$device to compare"
     ln -s $device "${device#/dev/}.exr"
@@ -578,23 +576,38 @@ import struct, zlib
 def chunk(kind, data):
     return (struct.pack(">I", len(data)) + kind + data +
             struct.pack(">I", zlib.crc32(kind + data)))
-for name, rows, tail in ("rows.png", 9, b""), ("bytes.png", 4, b"more"):
-    open(name, "wb").write(
+fits, rows = zlib.compress(bytes(52)), zlib.compress(bytes(117))
+for name, *data in (("rows", rows), ("bytes", fits + b"more"),
+                    ("chunks", fits, zlib.compress(bytes(range(52)))),
+                    ("sum", fits[:-4], fits[-4:])):
+    open(name + ".png", "wb").write(
         b"\x89PNG\r\n\x1a\n" +
         chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 4, 8, 2, 0, 0, 0)) +
-        chunk(b"IDAT", zlib.compress(bytes(13 * rows)) + tail) +
-        chunk(b"IEND", b""))
+        b"".join(chunk(b"IDAT", d) for d in data) + chunk(b"IEND", b""))
 PY
-for name in rows bytes; do
+for name in rows bytes chunks; do
     run -t 0 --layer there/a.exr $name.png
     status_is 0 "a PNG with more $name than its size"
     like "$(cat err)" "*$name.png: more data than its 4 x 4 pixels; the rest is left out*" \
         "a PNG with more $name than its size: a warning"
 done
+run -t 0 --layer there/a.exr sum.png
+is "$(grep -c 'more data' err)" 0 'a checksum in a chunk of its own is no more data'
 rm there/a.exr
-GLAREPP_OSMESA=/none.so GLAREPP_EGL=/none.so "$glarepp" -q --sun 3,3,2 \
-    --sun-color 9,9,9 --sun-method readback -o there/a.png in.exr >out 2>err
-like "$(cat err)" '*no GL context: *use --engine fft and --sun-method exact*' \
-    'a sun without GL: what needs none'
+echo '{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+"nodes": [{"camera": 0}], "cameras": [{"type": "perspective",
+"perspective": {"yfov": 1, "znear": 0.1}}]}' >one.gltf
+without_gl() {
+    want=$1
+    shift
+    GLAREPP_OSMESA=/none.so GLAREPP_EGL=/none.so "$glarepp" "$@" >out 2>err
+    is "$(sed 's/.*libegl-mesa0)//' err)" "$want" "no GL for $1 $2: what needs none"
+}
+sun='--sun 3,3,2 --sun-color 9,9,9 -o there/a.png in.exr'
+without_gl '' sets one.gltf
+without_gl ', or use --sun-method exact' --sun-method readback $sun
+without_gl ', or use --engine fft' --engine splat -o there/a.png in.exr
+without_gl ', or use --engine fft and --sun-method exact, which need none' \
+    --engine splat --sun-method mask $sun
 
 done_testing
