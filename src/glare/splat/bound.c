@@ -19,8 +19,9 @@
 #include <string.h>
 
 /* Roundings of the factors of the sum, the polygon's light and the blurred
- * kernel's sample, doubled for safety. */
-static const double OWN_ROUNDINGS = 4.0;
+ * kernel's sample, and of light and samples where the residue is spread, doubled
+ * for safety. */
+static const double OWN_ROUNDINGS = 8.0;
 
 /* A polygon's light is within a square of twice its cell's side, on the lattice
  * of cells. So at most four of one size share a pixel, and the norm of their
@@ -153,15 +154,15 @@ out:
 
 /* Bounds the norm of the kernel spread over the residue, in the frame. */
 static gp_status find_grouping(const struct gp_log *log,
-    const struct residue *r, const struct gp_sources *src,
-    const struct gp_kernel *kernel, const struct gp_blur *drawn,
-    const struct gp_polygons *polygons, double norm[3])
+                               const struct residue *r,
+                               const struct gp_sources *src,
+                               const struct gp_kernel *kernel,
+                               const struct gp_blur *drawn, double norm[3])
 {
     gp_status st = GP_OK;
     struct gp_kernel k = *kernel;
     struct gp_planes layer = {0};
     const size_t w = (size_t) r->w + 2 * (size_t) r->pad;
-    const size_t n = w * ((size_t) r->h + 2 * (size_t) r->pad);
     k.k = drawn->k;
     k.unturned = NULL;
     k.far = NULL;
@@ -170,22 +171,13 @@ static gp_status find_grouping(const struct gp_log *log,
     k.negative = true; // as its light is: nothing is made black
     GP_TRY(spread(log, r, src, &k, &layer));
     for (int c = 0; c < 3; c++) {
-        double d = 0.0, sum = 0.0, sizes = 0.0; // squares
-        for (size_t i = 0; i < n; i++)
-            d += (double) r->d.c[c][i] * (double) r->d.c[c][i];
-        for (size_t i = 0; i < polygons->n; i++)
-            sizes += (double) polygons->at[i].rgb[c] *
-                     (double) polygons->at[i].rgb[c];
+        double sum = 0.0;
         for (int y = r->pad; y < r->h + r->pad; y++) {
             for (size_t i = (size_t) y * w + (size_t) r->pad;
                  i < (size_t) (y + 1) * w - (size_t) r->pad; i++)
                 sum += (double) layer.c[c][i] * (double) layer.c[c][i];
         }
-        // the layer is rounded to float once; a transform in double adds little.
-        // A pixel of the residue takes a few roundings of its cell's light
-        const double young = kernel->norm1[c] * sqrt(d);
-        norm[c] = (1.0 + 0x1p-23) * sqrt(sum) + 0x1p-40 * young;
-        norm[c] += d > 0.0 ? 0x1p-21 * kernel->norm1[c] * sqrt(sizes) : 0.0;
+        norm[c] = sqrt(sum);
     }
 out:
     gp_planes_free(&layer);
@@ -314,8 +306,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
                             (struct gp_rect) {0, 0, kernel->w, kernel->h},
                             hollow, 1, &drawn));
         GP_TRY(make_residue(log, src, polygons, side + 1, &residue));
-        GP_TRY(find_grouping(log, &residue, src, kernel, &drawn, polygons,
-                             norm));
+        GP_TRY(find_grouping(log, &residue, src, kernel, &drawn, norm));
         for (int c = 0; c < 3; c++)
             wrong[c] += norm[c];
         // float coordinates of the frame are 2^(exponent - 24) pixels apart,

@@ -138,8 +138,8 @@ static double group_ratio(const struct gp_splat_params *p, struct scene *s)
     double bound;
     assert_ok(gp_polygons_make(NULL, &s->src, p, &q));
     assert_ok(gp_shrink_make(NULL, &s->k, p, &q, &shrink));
-    assert_ok(gp_group_bound(NULL, &s->src, &s->k, p, &q, &shrink, 4.0,
-                             &bound));
+    assert_ok(
+        gp_group_bound(NULL, &s->src, &s->k, p, &q, &shrink, 0.0, &bound));
     plain_groups(&s->src, &s->k, p, &q, &shrink, layer);
     for (size_t i = 0; i < n; i++)
         layer[i] -= s->exact[i];
@@ -376,6 +376,10 @@ static void terms_of_bounds_are_needed(void **state)
         // the last pixel, one over a length, wraps around to the first
         {FFT, {12, 1, 6, 1, 0, 0, "0000........", "000000"}},
         {FFT, {1, 12, 1, 6, 0, 0, "0000........", "000000"}},
+        // groups' residue, which is rounded down
+        {CORE,
+         {1, 13, 3, 13, 1, 10, "9....Ls.zaL2.",
+          "iy4j99.z3xjLo4qkk8kg88mhhjojh0yyj.88ooh"}},
         // an even group, of which only what its box carries past its reach is
         // left out
         {SHRINK_GROUPS,
