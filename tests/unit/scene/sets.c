@@ -392,6 +392,35 @@ static void rounded_depths_are_in_the_scissor(void **state)
     made_free(&s);
 }
 
+/* A point on a side of the frustum is in it, however its place is rounded. */
+static void sides_of_the_frustum_are_in_it(void **state)
+{
+    enum { POINTS = 60 };
+    uint64_t seed = 1;
+    struct gp_scene s = made_scene();
+    const struct gp_camera c =
+        made_camera(&s, (struct gp_v3) {3, -10, 2},
+                    (struct gp_v3) {0.3, 0.2, 1}, 50.0, (double) W / H);
+    const struct gp_sets_view view = {.camera = c,
+                                      .near = SHOT_NEAR,
+                                      .display = {0, 0, W, H},
+                                      .window = {0, 0, W, H}};
+    const int box = made_box(&s, 0);
+    struct gp_sets *sets;
+    for (int i = 0; i < POINTS; i++) {
+        const double at = made_random(&seed), far = made_between(&seed, 1, 50);
+        made_put(&s, box,
+                 gp_camera_point(&c, i % 2 ? at : i / 2 % 2,
+                                 i % 2 ? i / 2 % 2 : at, far),
+                 (struct gp_v3) {0, 0, 0}, 0.0);
+    }
+    assert_ok(gp_sets_open(NULL, &s, &view, GP_SETS_ALL, &sets));
+    for (int i = 0; i < POINTS; i++)
+        assert_true(gp_sets_flags(sets)[i] & GP_SET_F);
+    gp_sets_close(&sets);
+    made_free(&s);
+}
+
 /* 15.2.1: 14 batches of ambient light, and for each of three lights all of them
  * for shadows and all for light: 98. */
 static void example_of_98(void **state)
@@ -507,6 +536,7 @@ SUITE(sets)
         figure_15_2,
         bodies_throw_umbras,
         example_of_98,
+        sides_of_the_frustum_are_in_it,
         rounded_depths_are_in_the_scissor,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
@@ -517,6 +547,7 @@ SUITE(sets)
                                 "depths_show_more_than_objects, "
                                 "figure_15_1, figure_15_2, "
                                 "bodies_throw_umbras, example_of_98, "
+                                "sides_of_the_frustum_are_in_it, "
                                 "rounded_depths_are_in_the_scissor",
                                 NULL, NULL, NULL, NULL);
 }
