@@ -361,10 +361,12 @@ is "$status $(cat err)" '2 glarepp: --light-group: a layer is there twice (found
 run -q -e fft $own --layer-saturation 3 --parts p.exr --type float --layer l.exr plain.exr
 ok 'parts add up where a saturation leaves less than nothing' ask total l.exr p.exr
 # shellcheck disable=SC2086
-run -q -e fft $own --parts p.exr plain.exr
-# shellcheck disable=SC2086
-run -q -e fft $own --type float --layer l.exr plain.exr
-ok '... and without --type, as floats' ask total l.exr p.exr
+{
+    "$glarepp" -q -t 1e9 --type half --hdr half.exr plain.exr
+    run -q -e fft $own --parts p.exr half.exr
+    run -q -e fft $own --type float --layer l.exr half.exr
+    ok '... and without --type, as floats, of halfs' ask total l.exr p.exr
+}
 
 # shellcheck disable=SC2086
 {
