@@ -31,7 +31,7 @@ import threading
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SECONDS = 300  # of a suite: a mutant may wait for ever
-WHOLE = ("library.t", "glare/bound")  # suites that need more than their quick form
+WHOLE = ("library.t", "glare/bound", "hard/glare")  # suites that need more than their quick form
 
 
 def read_list(path):
