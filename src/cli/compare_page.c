@@ -81,18 +81,31 @@ static json_t *gates_of(const struct glarepp_compare_params *p,
 
 // -- pictures --------------------------------------------------------------------
 
-/* A file as the page names it, and the command that made it. */
+/* A file as the page names it, and the command that made it, under its name. */
 static json_t *about(const char *name, const char *path)
 {
-    char ending[8], *command = NULL;
+    char ending[8], *command = NULL, *output = NULL, *text = NULL;
+    size_t size;
     gp_file_ending(path, ending, sizeof ending);
     const bool may = strcmp(ending, "exr") == 0 || strcmp(ending, "png") == 0;
-    if (may && gp_file_exists(path) && gp_words_command(NULL, path, &command))
+    if (may && gp_file_exists(path) &&
+        gp_words_command(NULL, path, &output, &command))
         command = NULL;
+    FILE *const f = command ? open_memstream(&text, &size) : NULL;
+    if (f) {
+        fputs(command, f);
+        if (output) {
+            fprintf(f, " %s", output);
+            gp_word_print(f, "", 0, gp_base_name(path));
+        }
+        fclose(f);
+    }
     json_t *const o =
         json_pack("{ss so so*}", "name", name, "file", gp_json_name(path),
-                  "command", command ? gp_json_name(command) : NULL);
+                  "command", text ? gp_json_name(text) : NULL);
     gp_free(command);
+    gp_free(output);
+    free(text);
     return o;
 }
 

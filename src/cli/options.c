@@ -487,8 +487,8 @@ const struct gp_option gp_options[] = {
         "for inputs and outputs, to this file, for --settings"),
     OPT(output.no_provenance, .name = "no-provenance", .group = GP_GROUP_FILE,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .aside = true,
-        .help = "Write no glarepp:version and glarepp:command into EXR and "
-                "PNG files, and drop those of the input"),
+        .help = "Write no attributes glarepp:* into EXR and PNG files, and "
+                "drop those of the input"),
 
     OPT(run.report, .name = "report", DRAWS(REPORT), .arg = "FILE",
         .once = true,

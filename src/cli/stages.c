@@ -590,10 +590,13 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     struct gp_write_params pictures = *p;
     struct gp_frame f = fs->file;
     struct gp_planes planes;
+    if (!strchr(gp_targets[t->kind].option, ' ')) // --debug KIND is no option
+        pictures.output = gp_targets[t->kind].option;
     if (t->kind == GP_TARGET_HDR)
-        return write_hdr(r, fs, p, t->whole ? r->jobs->views : 1, name, stats);
+        return write_hdr(r, fs, &pictures, t->whole ? r->jobs->views : 1, name,
+                         stats);
     if (t->kind == GP_TARGET_PARTS)
-        return write_parts(r, fs, p, name, stats);
+        return write_parts(r, fs, &pictures, name, stats);
     if (!picture)
         pictures.alpha = GP_ALPHA_BLACK; // light to be added has no alpha
     if (picture || t->kind == GP_TARGET_POLYGONS)

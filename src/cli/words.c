@@ -245,8 +245,19 @@ static gp_status split(const struct gp_log *log, char *text, bool command,
     return GP_OK;
 }
 
+/* A text that a PNG or EXR has, from gp_strdup(); NULL: none. */
+static char *text_of(const struct gp_frame *f, const char *name)
+{
+    char *text = gp_frame_text(f, name);
+    for (int i = 0; i < f->attributes && !text; i++) {
+        if (strcmp(f->attribute[i].name, name) == 0)
+            text = gp_strdup(f->attribute[i].text);
+    }
+    return text;
+}
+
 gp_status gp_words_command(const struct gp_log *log, const char *path,
-                           char **out)
+                           char **output, char **out)
 {
     static const char name[] = "glarepp:command";
     const struct gp_read_params p = GP_READ_DEFAULTS;
@@ -254,11 +265,9 @@ gp_status gp_words_command(const struct gp_log *log, const char *path,
     gp_status st = gp_read_frame(log, &p, path, &f);
     if (st)
         return st;
-    *out = gp_frame_text(&f, name);
-    for (int i = 0; i < f.attributes && !*out; i++) {
-        if (strcmp(f.attribute[i].name, name) == 0)
-            *out = gp_strdup(f.attribute[i].text);
-    }
+    *out = text_of(&f, name);
+    if (output)
+        *output = text_of(&f, "glarepp:output");
     gp_frame_free(&f);
     return *out ? GP_OK
                 : gp_fail(log, GP_ERR_DATA,
@@ -298,7 +307,7 @@ gp_status gp_words_read(const struct gp_log *log, const char *path,
                          strncmp(w->text, "\x76\x2f\x31\x01", 4) == 0;
     if (picture) {
         GP_FREE(w->text);
-        GP_TRY(gp_words_command(log, path, &w->text));
+        GP_TRY(gp_words_command(log, path, NULL, &w->text));
     } else if (size > MOST_BYTES || strlen(w->text) < size)
         GP_TRY(gp_fail(
             log, GP_ERR_DATA,

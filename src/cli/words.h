@@ -37,9 +37,11 @@ const char *gp_base_name(const char *path);
 void gp_word_print(FILE *f, const char *head, size_t n, const char *word);
 
 /* Finds the command that made a PNG or EXR: glarepp:command, gp_free() it.
+ *   output  the option that named the file, if it says so; NULL: not wanted
  * Errors: those of gp_read_frame(); GP_ERR_DATA the file has none. */
 GP_MUST_CHECK gp_status gp_words_command(const struct gp_log *log,
-                                         const char *path, char **out);
+                                         const char *path, char **output,
+                                         char **out);
 
 /* Writes these options to --save-settings, one a line, quoted for a shell, as
  * they were given; leaves a file that exists with --no-clobber.

@@ -346,23 +346,31 @@ static void on_write_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-/* Sets glarepp:version and glarepp:command, as iTXt where not ASCII. */
-static void set_texts(png_structp png, png_infop info, const char *command)
+/* Sets glarepp:version, glarepp:command, as iTXt where not ASCII, and
+ * glarepp:output. */
+static void set_texts(png_structp png, png_infop info, const char *command,
+                      const char *output)
 {
     static char version[] = GP_VERSION;
     static char version_key[] = "glarepp:version";
     static char command_key[] = "glarepp:command";
+    static char output_key[] = "glarepp:output";
     bool ascii = true;
     for (const char *s = command; *s; s++)
         ascii = ascii && !(*s & 0x80);
-    png_text text[2] = {
-        {.compression = PNG_TEXT_COMPRESSION_NONE, .key = version_key,
+    png_text text[3] = {
+        {.compression = PNG_TEXT_COMPRESSION_NONE,
+         .key = version_key,
          .text = version},
-        {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE
-                              : PNG_ITXT_COMPRESSION_NONE,
-         .key = command_key, .text = (png_charp) (uintptr_t) command},
+        {.compression =
+             ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
+         .key = command_key,
+         .text = (png_charp) (uintptr_t) command},
+        {.compression = PNG_TEXT_COMPRESSION_NONE,
+         .key = output_key,
+         .text = (png_charp) (uintptr_t) output},
     };
-    png_set_text(png, info, text, 2);
+    png_set_text(png, info, text, output ? 3 : 2);
 }
 
 /* PNG has no imaginary primaries. */
@@ -402,8 +410,9 @@ static struct tags tags_of(const struct gp_write_params *p,
 /* Writes all chunks. Between setjmp() and longjmp() no local variable changes,
  * only what the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
-    const struct gp_frame *f, const struct tags *tags, const char *command,
-    const uint8_t *data, size_t size)
+                              const struct gp_frame *f, const struct tags *tags,
+                              const struct gp_write_params *p,
+                              const uint8_t *data, size_t size)
 {
     const double unit = 10000.0; // pixels of no unit; only their ratio counts
     const double aspect = (double) f->pixel_aspect;
@@ -438,8 +447,8 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     if (aspect != 1.0 && aspect > 1e-4 && aspect < 1e4)
         png_set_pHYs(png, info, (png_uint_32) (unit / aspect + 0.5),
                      (png_uint_32) unit, PNG_RESOLUTION_UNKNOWN);
-    if (command)
-        set_texts(png, info, command);
+    if (p->command)
+        set_texts(png, info, p->command, p->output);
     png_write_info(png, info);
     if (tags->cicp[0])
         png_write_chunk(png, (png_const_bytep) "cICP", tags->cicp,
@@ -495,8 +504,7 @@ gp_status gp_png_write(const struct gp_log *log,
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
     if (p->fsync)
         gp_file_sync(t.file);
-    GP_TRY(write_chunks(&t, &pic, frame, &tags, p->command, data,
-                        size));
+    GP_TRY(write_chunks(&t, &pic, frame, &tags, p, data, size));
     GP_TRY(gp_file_commit(&t.file));
 out:
     gp_file_discard(&t.file);

@@ -82,6 +82,8 @@ struct gp_write_params {
                                 // 0, 0 not known
     const char *command;        // for glarepp:command of EXR and PNG, UTF-8;
                                 // NULL: they do not say what made them
+    const char *output;         // for glarepp:output beside it: the option that
+                                // names the file; NULL: none
     const struct gp_attribute *added; // `n_added` texts for EXR files
     int n_added;
 };

@@ -57,6 +57,11 @@ cp seed.exr below/seed.exr
 run compare -q --html two.html seed.exr below/seed.exr
 like "$(grep -o '"command":"glarepp compare [^"]*"' two.html)" \
     '*seed.exr below/seed.exr --html two.html"' 'its command keeps folders'
+run -q -g 0.5 -o "an a.exr" --hdr an.exr seed.exr
+run compare -q --html made.html "an a.exr" an.exr
+is "$(grep -o '"command":"glarepp --gain [^"]*"' made.html)" \
+    "\"command\":\"glarepp --gain 0.5 seed.exr --output 'an a.exr'\"
+\"command\":\"glarepp --gain 0.5 seed.exr --hdr an.exr\"" 'the commands of both, with their outputs'
 run styles -q -o sheet.html --html-size 0.5 -t 2 seed.exr
 status_is 0 'styles: the size of a page is not for its pictures'
 ok 'styles --html-size' [ "$(wc -c <sheet.html)" -le 500000 ]

@@ -221,6 +221,8 @@ void gp_exr_put_part(struct gp_exr_out *h, const struct gp_frame *f,
     if (p->command) {
         put_text(h, "glarepp:version", GP_VERSION);
         put_text(h, "glarepp:command", p->command);
+        if (p->output)
+            put_text(h, "glarepp:output", p->output);
     }
     for (int i = 0; i < p->n_added; i++)
         put_text(h, p->added[i].name, p->added[i].text);
