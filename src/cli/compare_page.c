@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHOWN = 4 }; // pairs of a page that have pictures, the worst
+enum { SHARES = 8 }; // a pair's pictures take at most one of a page of many
 static const double STRIP = 0.25; // of a page of many: thumbnails
 
 /* An entry of a page, and how bad it is. */
@@ -22,7 +22,7 @@ struct gp_kept_entry {
     int result;
     double error; // FLIP, else rel_l2; what cannot be compared is worst
     int order;
-    bool shown; // has pictures
+    size_t bytes; // of its pictures; 0: it has none
 };
 
 // -- gates ----------------------------------------------------------------------
@@ -152,6 +152,9 @@ static gp_status make_set(const struct gp_log *log,
             return GP_OK;
     }
     s->window = (struct gp_rect) {w.x0, w.y0, w.x1, w.y1};
+    const int x = f->x - w.x0, y = f->y - w.y0;
+    if (f->max > 0.0)
+        s->keep = (struct gp_rect) {x, y, x + 1, y + 1};
     if (f->has_flip)
         GP_TRY(glarepp_compare_view(e->compare, -2, false, 1.0f, &map));
     GP_TRY(gp_page_set_add(log, s, about("A", e->a), &light[0], NULL, NULL));
@@ -220,8 +223,9 @@ static json_t *make_entry(const struct gp_compare_pages *p,
 /* Adds pictures to an entry, in `bytes`, and a thumbnail, where `side` is not 0. */
 static gp_status show(const struct gp_compare_pages *p,
                       const struct gp_compare_entry *e, bool whole,
-                      size_t bytes, int side, json_t *entry)
+                      size_t bytes, int side, struct gp_kept_entry *to)
 {
+    json_t *const entry = to->entry;
     json_t *const notes = json_object_get(entry, "notes");
     struct gp_page_set set = {.n = 0};
     const char *grey = NULL;
@@ -242,6 +246,8 @@ static gp_status show(const struct gp_compare_pages *p,
     if (set.n && whole) {
         GP_TRY(gp_page_pack(p->log, &set, bytes, &packed));
         json_object_set_new(entry, "set", packed);
+        to->bytes =
+            (size_t) json_integer_value(json_object_get(packed, "bytes"));
     }
 out:
     gp_page_set_free(&set);
@@ -257,25 +263,29 @@ static int by_error(const void *a, const void *b)
                : x->order - y->order;
 }
 
-/* Makes room for pictures of a new entry; false where it is not bad enough. */
-static bool may_show(struct gp_compare_pages *p,
-                     const struct gp_kept_entry *new)
+/* Returns true where a new entry may have pictures of so many bytes, 0: of as many as
+ * others have; `makes`: deletes those of less bad ones that are in the way. */
+static bool has_room(struct gp_compare_pages *p,
+                     const struct gp_kept_entry *new, size_t bytes, size_t room,
+                     bool makes)
 {
-    struct gp_kept_entry *least = NULL;
-    int shown = 0;
-    for (int i = 0; i < p->n; i++) {
-        struct gp_kept_entry *const k = &p->kept[i];
-        shown += k->shown;
-        if (k->shown && (!least || by_error(k, least) > 0))
-            least = k;
+    while (true) {
+        struct gp_kept_entry *least = NULL;
+        size_t shown = 0;
+        for (int i = 0; i < p->n; i++) {
+            struct gp_kept_entry *const k = &p->kept[i];
+            shown += k->bytes > 0;
+            if (k->bytes && (!least || by_error(k, least) > 0))
+                least = k;
+        }
+        if (!least || p->used + (bytes ? bytes : p->used / shown) <= room)
+            return true;
+        if (by_error(new, least) > 0 || !makes)
+            return by_error(new, least) < 0;
+        json_object_del(least->entry, "set");
+        p->used -= least->bytes;
+        least->bytes = 0;
     }
-    if (shown < SHOWN)
-        return true;
-    if (by_error(new, least) > 0)
-        return false;
-    json_object_del(least->entry, "set");
-    least->shown = false;
-    return true;
 }
 
 gp_status gp_compare_pages_add(struct gp_compare_pages *p,
@@ -285,6 +295,7 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
     const int pairs = (p->pattern.len ? 1 : p->pairs) * gp_max(e->parts, 1);
     const double room = (double) gp_page_room(p->s, pairs);
     const double strip = several ? STRIP * room : 0.0;
+    const size_t most = (size_t) (room - strip);
     // (a pixel of a thumbnail takes about 3 bytes of text, of 16 x 9)
     const int side =
         several ? gp_clamp_whole(sqrt(strip / pairs / 1.7), 16, 160) : 0;
@@ -297,7 +308,7 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
         : f->has_flip ? f->flip
                       : f->rel_l2,
         p->n,
-        false,
+        0,
     };
     void *block = p->kept;
     gp_status st = new.entry ? GP_OK : gp_no_memory(p->log, p->s->page.html);
@@ -313,11 +324,14 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
             GP_TRY(gp_page_make(p->log, p->s, "index", title, p->s->page.index,
                                 &p->index));
     }
-    new.shown = f ? may_show(p, &new) : false;
     if (f)
-        GP_TRY(show(p, e, new.shown,
-                    (size_t) ((room - strip) / gp_min(pairs, SHOWN)), side,
-                    new.entry));
+        GP_TRY(show(p, e, has_room(p, &new, 0, most, false),
+                    most / (size_t) gp_min(pairs, SHARES), side, &new));
+    if (new.bytes && !has_room(p, &new, new.bytes, most, true)) {
+        json_object_del(new.entry, "set");
+        new.bytes = 0;
+    }
+    p->used += new.bytes;
     GP_TRY(gp_resize(p->log, "page", (size_t) (p->n + 1) * sizeof *p->kept,
                      &block));
     p->kept = block;
@@ -380,30 +394,46 @@ out:
     return st;
 }
 
-/* Moves the kept entries to a page, the worst first, and writes it. */
+/* Moves n entries to a page, the worst first. */
+static void put_sorted(json_t *page, struct gp_kept_entry *entry, int n)
+{
+    json_t *const list = json_object_get(page, "entries");
+    if (n)
+        qsort(entry, (size_t) n, sizeof *entry, by_error);
+    for (int i = 0; i < n; i++)
+        json_array_append_new(list, entry[i].entry);
+}
+
+/* Moves the kept entries to a page and writes it. */
 static gp_status write_page(struct gp_compare_pages *p, const char *path)
 {
-    json_t *const page = p->page, *const list =
-                                      json_object_get(page, "entries");
-    if (p->n)
-        qsort(p->kept, (size_t) p->n, sizeof *p->kept, by_error);
-    for (int i = 0; i < p->n; i++)
-        json_array_append_new(list, p->kept[i].entry);
+    json_t *const page = p->page;
+    put_sorted(page, p->kept, p->n);
     p->page = NULL;
     p->n = 0;
+    p->used = 0;
     return gp_page_save(p->log, path, page);
 }
 
 /* Lists the entries of a page in the index, without their pictures. */
-static void list_page(struct gp_compare_pages *p, const char *path)
+static gp_status list_page(struct gp_compare_pages *p, const char *path)
 {
-    json_t *const list = json_object_get(p->index, "entries");
+    void *block = p->listed;
+    const size_t n = (size_t) (p->n_listed + p->n);
+    const gp_status st =
+        gp_resize(p->log, "page", n * sizeof *p->listed, &block);
+    if (st)
+        return st;
+    p->listed = block;
     for (int i = 0; i < p->n; i++) {
-        json_t *const copy = json_copy(p->kept[i].entry);
-        json_object_del(copy, "set");
-        json_object_set_new(copy, "href", gp_json_name(path));
-        json_array_append_new(list, copy);
+        struct gp_kept_entry *const to = &p->listed[p->n_listed];
+        *to = p->kept[i];
+        to->entry = json_copy(to->entry);
+        to->order = p->n_listed++;
+        json_object_del(to->entry, "set");
+        json_object_set_new(to->entry, "href", gp_json_name(path));
     }
+    return GP_OK;
 }
 
 gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
@@ -416,12 +446,14 @@ gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
         if (!path)
             GP_TRY(gp_no_memory(p->log, p->s->page.html));
         if (p->index)
-            list_page(p, link_of(p->s->page.index, path));
+            GP_TRY(list_page(p, link_of(p->s->page.index, path)));
         GP_TRY(write_page(p, path));
     }
     if (last && p->index) {
         json_t *const index = p->index;
         p->index = NULL;
+        put_sorted(index, p->listed, p->n_listed);
+        p->n_listed = 0;
         st = gp_page_save(p->log, p->s->page.index, index);
     }
 out:
@@ -433,7 +465,10 @@ void gp_compare_pages_free(struct gp_compare_pages *p)
 {
     for (int i = 0; i < p->n; i++)
         json_decref(p->kept[i].entry);
+    for (int i = 0; i < p->n_listed; i++)
+        json_decref(p->listed[i].entry);
     gp_free(p->kept);
+    gp_free(p->listed);
     json_decref(p->page);
     json_decref(p->index);
     *p = (struct gp_compare_pages) {0};

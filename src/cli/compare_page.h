@@ -31,6 +31,9 @@ struct gp_compare_pages {
     json_t *page, *index;       // present ones; NULL: none
     struct gp_kept_entry *kept; // of page; owned
     int n;
+    size_t used;                  // bytes of its pictures
+    struct gp_kept_entry *listed; // of index; owned
+    int n_listed;
 };
 
 /* Begins, before any work; does nothing without --html.

@@ -218,8 +218,16 @@ def test_pair(b, rng):
         b.resize(width, 800)
         b.settle()
         check(b.run("document.documentElement.scrollWidth") <= width and
-              b.run("canvas.width === Math.round(canvas.getBoundingClientRect().width * state.dpr)"),
+              b.run("canvas.width === Math.round(canvas.getBoundingClientRect().width * state.dpr)") and
+              b.run("[...document.querySelectorAll('#facts .scroll')].every(n => n.scrollWidth <= n.clientWidth)") and
+              b.run("$('histogram').getBoundingClientRect().left <= "
+                    "Math.min(...[...document.querySelectorAll('#histogram text')].map(n => n.getBoundingClientRect().left))"),
               f"{width} pixels wide: nothing is cut")
+        b.key("0")
+        for key in "21":
+            b.key(key)
+            check(b.run("Math.abs(Math.max(state.set.w * state.zoom / half(0)[1], state.set.h * state.zoom / canvas.height) - 1)") < 1e-6,
+                  f"{width} pixels wide: mode {key} fits")
     light = b.run("getComputedStyle(document.body).backgroundColor")
     b.dark(True)
     b.settle()
@@ -273,8 +281,18 @@ def test_large(b, rng):
         check(f"pixel {px}, {py};" in b.run("$('pixel').textContent") and near(map(float, row[1]), c[py, px], 1e-4 * c[py, px].max()),
               "the region has the pixels of the file", b.run("$('pixel').textContent"), row, c[py, px])
     check(b.run("document.querySelector('input[value=flip]').disabled"), "without FLIP, no such view")
+    c[20, 1900] = 6e4
+    pfm("b.pfm", c)
     glarepp("compare", "-q", "--no-flip", "--html", "small.html", "--html-size", "0.3", "a.pfm", "b.pfm", status=2)
     check(os.path.getsize("small.html") < 3e5, "--html-size", os.path.getsize("small.html"))
+    silent(b, "a large pair")
+    b.open("small.html")
+    x, y, rw, rh = b.run("state.set.region")
+    check(x <= 1900 < x + rw and y <= 20 < y + rh and values(b)[1] == ["60000"] * 3, "the worst pixel is a whole one", x, y, rw, rh, values(b))
+    check("--html-size 0.3" in b.run("$('made').innerText"), "the command of the page has its size")
+    needed = float(b.run("$('notes').innerText").split("take about ")[1].split()[0])
+    glarepp("compare", "-q", "--no-flip", "--html", "whole.html", "--html-size", "40", "a.pfm", "b.pfm", status=2)
+    check(0.7 < needed * 1e6 / os.path.getsize("whole.html") < 1.4, "it says which size has all pixels", needed)
     silent(b, "a large pair")
 
 
@@ -332,23 +350,33 @@ def test_sequence(b, rng):
     check(os.path.getsize("many.html") < 3e6, "300 frames in 3 MB", os.path.getsize("many.html"))
     order = b.run("[...document.querySelectorAll('#strip .pair span:first-of-type')].map(n => +n.textContent)")
     check(len(order) == 300 and sorted(order[:4]) == sorted(worst) and order[4:] == sorted(order[4:]), "the worst are first", order[:6], worst)
-    check(b.run("page.entries.filter(e => e.set).length") == 4 and b.run("page.entries.every(e => e.thumb && e.facts)"),
-          "all have figures and thumbnails, the worst pictures")
+    check(b.run("page.entries.every(e => e.set && e.thumb && e.facts)"), "all have pictures, figures and thumbnails")
     b.key("n")
     b.wait("document.body.dataset.ready.startsWith('1 ')")
     check(b.run("$('showing').textContent") == f"Pictures of {order[1]}", "n: the next")
-    b.run("document.querySelectorAll('#strip .pair')[9].click()")
-    check(b.run("$('viewer').hidden && $('notes').textContent.includes('compare it alone')"), "a pair without pictures says so")
     silent(b, "a sequence")
+    some = sorted(set(range(1, 301)) - set(worst))[:18] + [max(worst), max(worst) - 1]
+    glarepp("compare", "-q", "-f", ",".join(map(str, some)), "--html", "few.html", "--html-size", "0.16", "a.####.pfm", "b.####.pfm", status=2)
+    b.open("few.html")
+    shown = b.run("page.entries.map(e => !!e.set)")
+    n = sum(shown)
+    check(os.path.getsize("few.html") <= 160000 and 2 < n < 20 and all(shown[:n]) and b.run("state.set.w") == 16,
+          "--html-size: the worst pairs have pictures", os.path.getsize("few.html"), shown)
+    check(b.run("page.entries[0].label") == str(max(worst)) and not b.run("$('without').textContent"), "the worst is shown")
+    b.run("document.querySelectorAll('#strip .pair')[19].click()")
+    check(b.run("$('viewer').hidden && $('without').checkVisibility()") and f"of the {n} worst pairs" in b.run("$('without').innerText"),
+          "a pair without pictures says so", b.run("$('without').innerText"))
+    check(b.run("[...document.querySelectorAll('#strip .pair')].map(n => n.innerText.includes('no picture'))") == [not s for s in shown],
+          "and those that have none are named")
     os.mkdir("pages")
-    glarepp("compare", "-q", "-f", "1-3", "--html", "pages/p & q.####.html", "--html-index", "pages/index.html", "a.####.pfm", "b.####.pfm", status=2)
+    glarepp("compare", "-q", "-f", f"{some[0]},{some[1]},{max(worst)}", "--html", "pages/p & q.####.html", "--html-index", "pages/index.html", "a.####.pfm", "b.####.pfm", status=2)
     b.open("pages/index.html")
     links = b.run("[...document.querySelectorAll('#table a')].map(n => n.href)")
-    check(len(links) == 3, "an index has all pages", links)
+    check([int(v[-9:-5]) for v in links] == [max(worst), some[0], some[1]], "an index has all pages, the worst first", links)
     axe(b, "an index")
     silent(b, "an index")
     b.run("document.querySelector('#table a').click()")
-    b.wait("location.href.endsWith('0001.html') && document.body?.dataset.ready")
+    b.wait(f"location.href.endsWith('{max(worst):04}.html') && document.body?.dataset.ready")
     check(b.run("page.entries.length") == 1, "its links lead there")
 
 
@@ -380,6 +408,20 @@ def test_bench(b):
     b.mouse("mouseMoved", left + w / 2, top + h / 2)
     check(b.run("$('named').textContent.startsWith([...document.querySelectorAll('.point')].pop().getAttribute('aria-label'))"),
           "a point is named under the pointer", b.run("$('named').textContent"))
+    same = b.run("""(ps => ps.map(p => ps.filter(q => ['cx', 'cy'].every(k => p[k].baseVal.value === q[k].baseVal.value)).map(
+        q => q.parentNode.getAttribute('aria-label'))).sort((p, q) => q.length - p.length)[0])([...document.querySelectorAll('.point circle')])""")
+    check(len(same) > 1, "auto lies on what it took", same)
+    at = b.box(f".point[aria-label='{same[0]}'] circle")
+    at = at[0] + at[2] / 2, at[1] + at[3] / 2
+    b.mouse("mouseMoved", *at)
+    check(all(name in b.run("$('named').textContent") for name in same), "points over each other are all named", b.run("$('named').textContent"))
+    taken = set()
+    for _ in same:
+        b.mouse("mousePressed", *at, buttons=1)
+        b.mouse("mouseReleased", *at)
+        b.settle()
+        taken.add(b.run("document.querySelector('.point.chosen').getAttribute('aria-label')"))
+    check(taken == set(same), "and chosen one after the other", taken, same)
     b.run("[...document.querySelectorAll('.point')].find(n => n.getAttribute('aria-label').startsWith('splat group 8')).focus()")
     b.key("Enter")
     b.wait("state.set.pictures[state.b].name === 'splat group 8'")
@@ -390,7 +432,12 @@ def test_bench(b):
     b.run("[...document.querySelectorAll('#table thead button')].find(n => n.textContent === 'ms').click()")
     ms = b.run("[...document.querySelectorAll('#table tbody tr')].map(r => +r.cells[1].textContent)")
     check(ms == sorted(ms) and len(ms) > 8, "the table sorts", ms)
-    check("glarepp -e splat --group 8" in b.run("$('made').innerText"), "the command of the point")
+    made = b.run("$('made').innerText")
+    check("glarepp -e splat --group 8" in made and "--runs 1" in made, "the commands of the point, and of the page", made)
+    b.resize(400, 800)
+    b.settle()
+    check(b.run("[...document.querySelectorAll('.point circle, #plot > .axis')].every(n => n.getBoundingClientRect().right <= 400)"),
+          "400 pixels wide: all of the plot is in sight")
     silent(b, "bench")
     axe(b, "bench")
 

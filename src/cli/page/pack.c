@@ -459,7 +459,7 @@ static gp_status sum_scores(const struct gp_log *log,
 }
 
 /* A region of about `pixels`, as wide as the picture is, where the scores are
- * largest; the middle where they are all equal. */
+ * largest, with the pixel to keep; the middle where they are all equal. */
 static struct gp_rect find_region(const struct gp_page_set *s,
                                   const uint64_t *sum, int bw, int bh,
                                   double pixels)
@@ -469,10 +469,16 @@ static struct gp_rect find_region(const struct gp_page_set *s,
     const int rw = gp_clamp_whole(pixels / (rh * BLOCK * BLOCK), 1, bw);
     const size_t row = (size_t) bw + 1;
     uint64_t most = 0;
-    int at_x = (bw - rw) / 2, at_y = (bh - rh) / 2;
-    for (int n = -1, i = at_y * (bw - rw + 1) + at_x;
-         n < (bh - rh + 1) * (bw - rw + 1); i = ++n) { // the middle first
-        const int x = i % (bw - rw + 1), y = i / (bw - rw + 1);
+    const bool keeps = !gp_rect_empty(s->keep);
+    const int kx = s->keep.x0 / BLOCK, ky = s->keep.y0 / BLOCK;
+    const int x0 = keeps ? gp_max(0, kx - rw + 1) : 0;
+    const int y0 = keeps ? gp_max(0, ky - rh + 1) : 0;
+    const int columns = (keeps ? gp_min(kx, bw - rw) : bw - rw) - x0 + 1;
+    const int rows = (keeps ? gp_min(ky, bh - rh) : bh - rh) - y0 + 1;
+    int at_x = x0 + columns / 2, at_y = y0 + rows / 2;
+    for (int n = -1, i = rows / 2 * columns + columns / 2; n < rows * columns;
+         i = ++n) { // the middle first
+        const int x = x0 + i % columns, y = y0 + i / columns;
         const uint64_t *const a = sum + (size_t) y * row + x;
         const uint64_t *const b = a + (size_t) rh * row;
         const uint64_t v = b[rw] - b[0] - a[rw] + a[0];
@@ -544,10 +550,11 @@ gp_status gp_page_pack(const struct gp_log *log, const struct gp_page_set *s,
     if (p.scale > 1 && total < bytes)
         GP_TRY(fill(log, s, bytes, total, &p));
     GP_TRY(pack_all(log, s, &p, false, list, &total));
-    *out = json_pack("{si si si si si s[iiii] sO}", "x", s->window.x0, "y",
+    *out = json_pack("{si si si si si sI s[iiii] sO}", "x", s->window.x0, "y",
                      s->window.y0, "w", (int) w, "h", (int) h, "scale", p.scale,
-                     "region", p.region.x0, p.region.y0, gp_rect_w(p.region),
-                     gp_rect_h(p.region), "pictures", list);
+                     "bytes", (json_int_t) total, "region", p.region.x0,
+                     p.region.y0, gp_rect_w(p.region), gp_rect_h(p.region),
+                     "pictures", list);
 out:
     json_decref(list);
     return st;

@@ -24,17 +24,28 @@ gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
                        const char *kind, const char *title, const char *path,
                        json_t **out)
 {
+    // of options that no pixel depends on, those that a page does
+    static const char *const own[] = {"runs", "html-size", "html",
+                                      "html-index"};
     const struct gp_texts *const in = &s->input.files;
+    const struct gp_texts *const given = &s->words.options;
     char *command = NULL, *text = NULL;
     size_t size;
     gp_status st = gp_command_text(log, s, in->at, in->n, true, &command);
     FILE *const f = st ? NULL : open_memstream(&text, &size);
     if (f) {
-        fprintf(f, "%s %s", command, s->page.html ? "--html" : "-o");
-        gp_word_print(f, "", 0, s->page.html ? s->page.html : path);
-        if (s->page.index) {
-            fprintf(f, " --html-index");
-            gp_word_print(f, "", 0, s->page.index);
+        fputs(command, f);
+        for (int i = 0; i + 1 < given->n; i += 2) {
+            for (size_t k = 0; k < sizeof own / sizeof *own; k++) {
+                if (strcmp(given->at[i], own[k]) == 0) {
+                    fprintf(f, " --%s", own[k]);
+                    gp_word_print(f, "", 0, given->at[i + 1]);
+                }
+            }
+        }
+        if (!s->page.html) {
+            fputs(" -o", f);
+            gp_word_print(f, "", 0, path);
         }
     }
     if (!st && (!f || fclose(f) != 0 || !text))

@@ -37,6 +37,8 @@ enum { GP_PAGE_PICTURES = 20 };
 /* Pictures of one window, the first of which is the reference. Zeroed is none. */
 struct gp_page_set {
     struct gp_rect window; // of all, not empty
+    struct gp_rect keep;   // within it, from its corner: in the region of
+                           // whole pixels; empty: none
     int n;
     struct gp_page_picture picture[GP_PAGE_PICTURES];
 };
@@ -56,7 +58,7 @@ GP_MUST_CHECK gp_status gp_page_set_add(const struct gp_log *log,
 /* Packs a set into at most about `bytes` of JSON: whole, or as averages of
  * squares of pixels, as few as fit three fifths, and a region of whole pixels, where
  * the pictures differ most, in the rest.
- *   out  object "set" of an entry */
+ *   out  object "set" of an entry, with its "bytes" of pictures */
 GP_MUST_CHECK gp_status gp_page_pack(const struct gp_log *log,
                                      const struct gp_page_set *s, size_t bytes,
                                      json_t **out);

@@ -288,16 +288,16 @@ function moveTo(x, y) {
   redraw();
 }
 
+// The zoom at which the picture fits, and true at that one.
+const fitting = () => Math.min(half(0)[1] / state.set.w, canvas.height / state.set.h, 64);
+const fitted = () => state.set && Math.abs(state.zoom / fitting() - 1) < 1e-6;
+
 function zoomTo(zoom, x = state.x, y = state.y) {
-  const fit = Math.min(half(0)[1] / state.set.w, canvas.height / state.set.h);
-  state.zoom = between(zoom, Math.min(fit, 1) / 2, 128 * state.dpr);
+  state.zoom = between(zoom, Math.min(fitting(), 1) / 2, 128 * state.dpr);
   moveTo(x, y);
 }
 
-function fit() {
-  const {w, h} = state.set;
-  zoomTo(Math.min(half(0)[1] / w, canvas.height / h, 64), w / 2, h / 2);
-}
+const fit = () => zoomTo(fitting(), state.set.w / 2, state.set.h / 2);
 
 // Zooms around a canvas pixel, or the middle.
 function zoomBy(factor, x, y) {
@@ -311,17 +311,17 @@ function resize() {
   const dpr = Math.min(devicePixelRatio || 1, 2), box = canvas.getBoundingClientRect();
   const w = Math.round(box.width * dpr), h = Math.round(box.height * dpr);
   if (!w || !h || (w === canvas.width && h === canvas.height)) return;
-  const first = !canvas.ready;
-  state.zoom *= first ? 1 : Math.min(w / canvas.width, 1e9);
+  const whole = !canvas.ready || fitted();
+  state.zoom *= w / canvas.width;
   canvas.width = w;
   canvas.height = h;
   state.dpr = dpr;
   canvas.ready = true;
-  if (state.set) first ? fit() : redraw();
+  if (state.set) whole ? fit() : redraw();
 }
 
 function setMode(mode) {
-  const was = state.mode, radio = document.querySelector(`input[name=mode][value=${mode}]`);
+  const was = state.mode, whole = fitted(), radio = document.querySelector(`input[name=mode][value=${mode}]`);
   if (radio.disabled) return;
   radio.checked = true;
   state.mode = mode;
@@ -330,7 +330,7 @@ function setMode(mode) {
   $('wipe').hidden = mode !== 'wipe';
   $('scale').hidden = mode !== 'relative' && mode !== 'flip';
   [$('low').textContent, $('high').textContent] = mode === 'flip' ? [0, '1 FLIP'] : [LEAST, '1 relative error'];
-  if ((was === 'side') !== (mode === 'side') && state.set) state.zoom *= mode === 'side' ? 0.5 : 2;
+  if ((was === 'side') !== (mode === 'side') && state.set) whole ? fit() : zoomBy(mode === 'side' ? 0.5 : 2);
   resize();
   redraw();
 }
@@ -389,7 +389,8 @@ function sortable(columns, rows) {
     body.append(r.tr);
   });
   columns.forEach((name, i) => {
-    const th = make('th', undefined, {scope: 'col'}), button = make('button', name, {type: 'button'});
+    const words = rows.every(r => typeof r.cells[i] === 'string' || r.cells[i] instanceof Node);
+    const th = make('th', undefined, {scope: 'col', class: words ? 'text' : ''}), button = make('button', name, {type: 'button'});
     button.onclick = () => {
       const up = th.getAttribute('aria-sort') !== 'ascending';
       head.querySelectorAll('[aria-sort]').forEach(o => o.removeAttribute('aria-sort'));
@@ -433,8 +434,8 @@ function showFacts(entry) {
   if (facts.flip_exposures) rows.push(['flip_exposures', facts.flip_exposures.map(v => +v.toPrecision(4)).join(', ')]);
   parts.push(titled('as --json has them', ['figure', 'value'], rows));
   if (entry.gates && entry.gates.length)
-    parts.push(titled('gates', ['gate', 'found', 'limit', 'of', 'status'],
-      entry.gates.map(g => [g.gate, g.found, g.limit === null ? 'any' : g.limit, g.of, g.status])));
+    parts.push(titled('gates', ['gate', 'status', 'found', 'limit', 'of'],
+      entry.gates.map(g => [g.gate, g.status, g.found, g.limit === null ? 'any' : g.limit, g.of])));
   if (entry.channels) parts.push(make('p', `${entry.channels.length} channels: ${entry.channels.join(', ')}`));
   $('facts').replaceChildren(...parts);
 }
@@ -461,15 +462,18 @@ function showCommands() {
   for (const [name, i] of set ? [['A', state.a], ['B', state.b]] : []) {
     const p = set.pictures[i], label = set.pictures.length > 2 ? `${name}, ${p.name}` : `${name}, ${p.file || p.name}`;
     if (p.command) command(label, p.command, list);
-    else list.append(make('dt', label), make('dd', 'does not say which command made it'));
+    else list.append(make('dt', label), make('dd', p.file ? 'does not say which command made it' : 'is what the others are measured against'));
     if (p.rounded) notes.push(`${name}: ${p.rounded} values were rounded to half floats, to 1 in 2048 of each; relative errors and FLIP are of those before`);
     if (p.clamped) notes.push(`${name}: ${p.clamped} values beyond 65504 are shown as 65504`);
     if (p.odd) notes.push(`${name}: ${p.odd} values are NaN or infinite`);
   }
   command('this page', page.command, list);
-  if (set && set.scale > 1)
+  if (set && set.scale > 1) {
+    const samples = Math.ceil(set.w / set.scale) * Math.ceil(set.h / set.scale) + set.region[2] * set.region[3];
     notes.unshift(`scaled down to fit --html-size: means of ${set.scale} × ${set.scale} pixels` +
-      (set.region[2] ? `; whole pixels within ${set.region[2]} × ${set.region[3]} at ${set.region[0] + set.x}, ${set.region[1] + set.y}, dashed` : ''));
+      (set.region[2] ? `; whole pixels within ${set.region[2]} × ${set.region[3]} at ${set.region[0] + set.x}, ${set.region[1] + set.y}, dashed` : '') +
+      `; all pixels of these pictures take about ${+(set.bytes * set.w * set.h / samples / 1e6).toPrecision(2)} MB`);
+  }
   notes.push(`glarepp ${page.version}`);
   $('notes').replaceChildren(...notes.map(n => make('li', n)));
   $('exact').textContent = set ? `${set.w} × ${set.h} at ${set.x}, ${set.y}; ` + (set.scale > 1
@@ -497,6 +501,8 @@ function showBench(entry) {
   text('tolerance', 460, y(limit) - 4, {'text-anchor': 'end'});
   points.sort((p, q) => p.x - q.x || q.y - p.y);
   line('front', points.filter(p => p.r.pareto).map((p, i) => `${i ? 'L' : 'M'}${x(p.x)} ${y(p.y)}`).join('') || 'M0 0');
+  const name = list => { $('named').textContent = list.map(q => q.r.node.getAttribute('aria-label') + (q.r.pareto ? '; no other is both faster and nearer' : '')).join('. ') +
+    (list.length > 1 ? '. Click for one after the other' : ''); };
   let label = 0;
   points.sort((p, q) => q.y - p.y);
   for (const p of points) {
@@ -504,8 +510,11 @@ function showBench(entry) {
     const node = make('svg:g', undefined, {class: 'point', tabindex: 0, role: 'button', 'aria-label': `${p.r.name}: ${number(p.r.ms)} ms, rel_l2 ${number(p.r.rel_l2)}`});
     node.append(make('svg:path', undefined, {class: 'grid', d: `M${x(p.x)} ${y(p.y)}L472 ${label - 4}`}),
       make('svg:circle', undefined, {cx: x(p.x), cy: y(p.y), r: 6}), make('svg:text', p.r.name, {class: p.r.pareto ? '' : 'dim', x: 476, y: label}));
-    node.onpointerenter = node.onfocus = () => { $('named').textContent = node.getAttribute('aria-label') + (p.r.pareto ? '; no other is both faster and nearer' : ''); };
-    node.onclick = () => choose(p.r);
+    const near = [p, ...points.filter(q => q !== p && Math.hypot(x(q.x) - x(p.x), y(q.y) - y(p.y)) < 9)];
+    const under = e => e.target.tagName === 'circle' ? near : [p]; // those that hide each other
+    node.onpointerover = e => name(under(e));
+    node.onfocus = () => name([p]);
+    node.onclick = e => choose(under(e)[(under(e).findIndex(q => q.r.node.classList.contains('chosen')) + 1) % under(e).length].r);
     node.onkeydown = e => { if (e.key === 'Enter' || e.key === ' ') { e.preventDefault(); choose(p.r); } };
     p.r.node = node;
     svg.append(node);
@@ -568,16 +577,16 @@ async function open(i) {
   const entry = page.entries[i], set = entry?.set || null, was = state.set;
   Object.assign(state, {entry: i, set, A: null, B: null});
   $('viewer').hidden = !set;
-  document.querySelectorAll('#strip .pair').forEach((n, k) => current(n, k === i));
+  document.querySelectorAll('#strip .pair').forEach((n, k) => current(n, k === i && page.kind !== 'index'));
   $('showing').textContent = entry?.label ? `Pictures of ${entry.label}` : 'Pictures';
   if (entry && page.kind !== 'index') { showFacts(entry); showBench(entry); }
   showCommands();
   const result = page.kind !== 'index' && entry?.facts?.result;
-  $('verdict').replaceChildren(...tally(), ...(result ? [coloured((entry.label ? entry.label + ': ' : '') + result, result),
+  $('verdict').replaceChildren(...tally(), ...(result ? [coloured((entry.label ? `${several() ? '· ' : ''}${entry.label}: ` : '') + result, result),
     make('span', entry.facts.why ? ` (${entry.facts.why})` : '')] : []));
+  $('without').textContent = set || !result ? '' : 'No pictures here: ' + (entry.facts.why || (entry.notes || []).find(n => /^deep|to show$/.test(n)) ||
+    `--html-size has room for those of the ${page.entries.filter(e => e.set).length} worst pairs; raise it, or compare this pair alone. Its figures are below.`);
   if (!set) {
-    if (several() && result && !entry.facts.why)
-      $('notes').prepend(make('li', 'no pictures of this pair: the page has those of the worst, and figures of all; for this one compare it alone'));
     document.body.dataset.ready = `${i}`;
     return;
   }
@@ -588,8 +597,7 @@ async function open(i) {
     $(id).replaceChildren(...set.pictures.map((p, k) => make('option', p.file ? `${p.name}: ${p.file}` : p.name, {value: k})));
   canvas.style.aspectRatio = `${set.w} / ${set.h}`; resize();
   if (!was || was.w !== set.w || was.h !== set.h) fit();
-  if (worst) point(worst.x - set.x, worst.y - set.y);
-  else point(set.w >> 1, set.h >> 1);
+  point(...worst ? [worst.x - set.x, worst.y - set.y] : [set.w >> 1, set.h >> 1]);
   await pick(0, Math.min(1, set.pictures.length - 1));
 }
 
@@ -613,7 +621,7 @@ function list() {
     const map = make('canvas', undefined, {width: thumb.w, height: thumb.h, 'aria-hidden': 'true'});
     button.className = 'pair';
     button.append(map, make('span', e.label || e.facts?.b || e.name));
-    if (e.facts) button.append(coloured(e.facts.result, e.facts.result));
+    if (e.facts) button.append(coloured(e.facts.result, e.facts.result), make('span', e.set || index ? '' : 'no picture'));
     if (e.thumb) showThumb(e.thumb, map);
     item.append(button);
     strip.append(item);
@@ -657,11 +665,7 @@ function listen() {
   let drag = null; // 'wipe', or the last place
   const at = e => { const b = canvas.getBoundingClientRect(); return [(e.clientX - b.left) * state.dpr, (e.clientY - b.top) * state.dpr]; };
   const nearWipe = x => state.mode === 'wipe' && Math.abs(x - state.wipe * canvas.width) < 12 * state.dpr;
-  canvas.onpointerdown = e => {
-    const p = at(e);
-    drag = nearWipe(p[0]) ? 'wipe' : p;
-    canvas.setPointerCapture(e.pointerId);
-  };
+  canvas.onpointerdown = e => { drag = nearWipe(at(e)[0]) ? 'wipe' : at(e); canvas.setPointerCapture(e.pointerId); };
   canvas.onpointerup = canvas.onpointercancel = () => { if (drag === 'wipe') $('wipe').focus(); drag = null; };
   canvas.onpointermove = e => {
     const [x, y] = at(e);
@@ -683,11 +687,9 @@ function listen() {
   for (const id of ['ev', 'gamma']) $(id).oninput = () => slide(id, 0);
   $('modes').onchange = e => setMode(e.target.value);
   $('a').onchange = $('b').onchange = () => pick(+$('a').value, +$('b').value);
-  $('auto').onclick = autoExposure;
-  $('fit').onclick = fit;
+  $('auto').onclick = autoExposure; $('fit').onclick = fit;
   $('one').onclick = () => zoomTo(state.dpr);
-  $('in').onclick = () => zoomBy(2);
-  $('out').onclick = () => zoomBy(0.5);
+  $('in').onclick = () => zoomBy(2); $('out').onclick = () => zoomBy(0.5);
   $('worst').onclick = () => {
     const w = page.entries[state.entry].facts?.worst;
     if (!w) return;
@@ -699,8 +701,7 @@ function listen() {
     if (w) zoomTo(Math.min(half(0)[1] / w, canvas.height / h), x + w / 2, y + h / 2);
   };
   $('ask').onclick = () => $('help').showModal();
-  addEventListener('keydown', press);
-  new ResizeObserver(resize).observe(canvas);
+  addEventListener('keydown', press); new ResizeObserver(resize).observe(canvas);
 }
 
 $('title').textContent = document.title = page.title;
