@@ -8,13 +8,16 @@
 #include "core/minmax.h"
 #include "io/file.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHARES = 8 }; // a pair's pictures take at most one of a page of many
-static const double STRIP = 0.25; // of a page of many: thumbnails
+// Of a page of many: pictures of a pair take at most 1 of SHARES, those of all
+// thumbnails STRIP of it, of an index INDEX.
+enum { SHARES = 8 };
+static const double STRIP = 0.25, INDEX = 0.75;
 
 /* An entry of a page, and how bad it is. */
 struct gp_kept_entry {
@@ -220,6 +223,11 @@ static json_t *make_entry(const struct gp_compare_pages *p,
     return o;
 }
 
+static size_t bytes_of(const json_t *o)
+{
+    return json_dumpb(o, NULL, 0, JSON_COMPACT);
+}
+
 /* Adds pictures to an entry, in `bytes`, and a thumbnail, where `side` is not 0. */
 static gp_status show(const struct gp_compare_pages *p,
                       const struct gp_compare_entry *e, bool whole,
@@ -246,8 +254,7 @@ static gp_status show(const struct gp_compare_pages *p,
     if (set.n && whole) {
         GP_TRY(gp_page_pack(p->log, &set, bytes, &packed));
         json_object_set_new(entry, "set", packed);
-        to->bytes =
-            (size_t) json_integer_value(json_object_get(packed, "bytes"));
+        to->bytes = bytes_of(packed);
     }
 out:
     gp_page_set_free(&set);
@@ -288,17 +295,38 @@ static bool has_room(struct gp_compare_pages *p,
     }
 }
 
+/* Adds pictures and a thumbnail to a new entry, as far as its page has room. */
+static gp_status fill(struct gp_compare_pages *p,
+                      const struct gp_compare_entry *e,
+                      struct gp_kept_entry *new)
+{
+    // (a pixel of a thumbnail takes about 3 bytes of text, of 16 x 9; what a
+    // picture says of itself up to about ABOUT)
+    static const double SQUARE = 1.7, ABOUT = 4096.0, LEAST = 1024.0;
+    const int parts = gp_max(e->parts, 1), all = p->pairs * parts;
+    const int pairs = gp_max(p->pattern.len ? parts : all, p->n + 1);
+    const double room = (double) gp_page_room(p->s, 0);
+    const double strip = (p->index ? INDEX : STRIP) * room;
+    const int side = p->sequence || parts > 1
+                         ? gp_clamp_whole(sqrt(strip / all / SQUARE), 16, 160)
+                         : 0;
+    p->text += bytes_of(new->entry);
+    const double text = (double) p->text / (p->n + 1) + SQUARE * side * side;
+    const double most = fmax(room - text * pairs, LEAST);
+    const double share = fmax(most / gp_min(pairs, SHARES) - ABOUT, LEAST);
+    const gp_status st = show(p, e, has_room(p, new, 0, (size_t) most, false),
+                              (size_t) share, side, new);
+    if (new->bytes && !has_room(p, new, new->bytes, (size_t) most, true)) {
+        json_object_del(new->entry, "set");
+        new->bytes = 0;
+    }
+    p->used += new->bytes;
+    return st;
+}
+
 gp_status gp_compare_pages_add(struct gp_compare_pages *p,
                                const struct gp_compare_entry *e)
 {
-    const bool several = p->sequence || e->parts > 1;
-    const int pairs = (p->pattern.len ? 1 : p->pairs) * gp_max(e->parts, 1);
-    const double room = (double) gp_page_room(p->s, pairs);
-    const double strip = several ? STRIP * room : 0.0;
-    const size_t most = (size_t) (room - strip);
-    // (a pixel of a thumbnail takes about 3 bytes of text, of 16 x 9)
-    const int side =
-        several ? gp_clamp_whole(sqrt(strip / pairs / 1.7), 16, 160) : 0;
     const struct glarepp_compare_facts *const f =
         e->compare ? glarepp_compare_facts(e->compare) : NULL;
     struct gp_kept_entry new = {
@@ -325,13 +353,7 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
                                 &p->index));
     }
     if (f)
-        GP_TRY(show(p, e, has_room(p, &new, 0, most, false),
-                    most / (size_t) gp_min(pairs, SHARES), side, &new));
-    if (new.bytes && !has_room(p, &new, new.bytes, most, true)) {
-        json_object_del(new.entry, "set");
-        new.bytes = 0;
-    }
-    p->used += new.bytes;
+        GP_TRY(fill(p, e, &new));
     GP_TRY(gp_resize(p->log, "page", (size_t) (p->n + 1) * sizeof *p->kept,
                      &block));
     p->kept = block;
@@ -411,7 +433,7 @@ static gp_status write_page(struct gp_compare_pages *p, const char *path)
     put_sorted(page, p->kept, p->n);
     p->page = NULL;
     p->n = 0;
-    p->used = 0;
+    p->used = p->text = 0;
     return gp_page_save(p->log, path, page);
 }
 
@@ -436,6 +458,18 @@ static gp_status list_page(struct gp_compare_pages *p, const char *path)
     return GP_OK;
 }
 
+/* Links the present page to the index: up as many folders as its `link` goes down. */
+static void link_back(struct gp_compare_pages *p, const char *link)
+{
+    const char *const index = p->s->page.index;
+    char up[PATH_MAX] = "";
+    for (size_t n = 0; (link = strchr(link, '/')) && n + 4 < sizeof up; link++)
+        n += (size_t) snprintf(up + n, sizeof up - n, "../");
+    if (!gp_is_dash(index))
+        json_object_set_new(p->page, "index",
+                            json_sprintf("%s%s", up, gp_base_name(index)));
+}
+
 gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
                                  bool last)
 {
@@ -445,8 +479,11 @@ gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
         path = gp_compare_page_name(p, frame);
         if (!path)
             GP_TRY(gp_no_memory(p->log, p->s->page.html));
-        if (p->index)
-            GP_TRY(list_page(p, link_of(p->s->page.index, path)));
+        if (p->index) {
+            const char *const link = link_of(p->s->page.index, path);
+            link_back(p, link);
+            GP_TRY(list_page(p, link));
+        }
         GP_TRY(write_page(p, path));
     }
     if (last && p->index) {

@@ -31,7 +31,7 @@ struct gp_compare_pages {
     json_t *page, *index;       // present ones; NULL: none
     struct gp_kept_entry *kept; // of page; owned
     int n;
-    size_t used;                  // bytes of its pictures
+    size_t used, text;            // bytes of its pictures, of all else of kept
     struct gp_kept_entry *listed; // of index; owned
     int n_listed;
 };

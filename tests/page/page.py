@@ -356,11 +356,11 @@ def test_sequence(b, rng):
     check(b.run("$('showing').textContent") == f"Pictures of {order[1]}", "n: the next")
     silent(b, "a sequence")
     some = sorted(set(range(1, 301)) - set(worst))[:18] + [max(worst), max(worst) - 1]
-    glarepp("compare", "-q", "-f", ",".join(map(str, some)), "--html", "few.html", "--html-size", "0.16", "a.####.pfm", "b.####.pfm", status=2)
+    glarepp("compare", "-q", "-f", ",".join(map(str, some)), "--html", "few.html", "--html-size", "0.1", "a.####.pfm", "b.####.pfm", status=2)
     b.open("few.html")
     shown = b.run("page.entries.map(e => !!e.set)")
     n = sum(shown)
-    check(os.path.getsize("few.html") <= 160000 and 2 < n < 20 and all(shown[:n]) and b.run("state.set.w") == 16,
+    check(os.path.getsize("few.html") <= 100000 and 2 < n < 20 and all(shown[:n]) and b.run("state.set.w") == 16,
           "--html-size: the worst pairs have pictures", os.path.getsize("few.html"), shown)
     check(b.run("page.entries[0].label") == str(max(worst)) and not b.run("$('without').textContent"), "the worst is shown")
     b.run("document.querySelectorAll('#strip .pair')[19].click()")
@@ -378,6 +378,15 @@ def test_sequence(b, rng):
     b.run("document.querySelector('#table a').click()")
     b.wait(f"location.href.endsWith('{max(worst):04}.html') && document.body?.dataset.ready")
     check(b.run("page.entries.length") == 1, "its links lead there")
+    b.run("document.querySelector('header a').click()")
+    b.wait("location.href.endsWith('index.html') && document.body?.dataset.ready")
+    check(True, "and back")
+    glarepp("compare", "-q", "-f", "1-300", "--html", "pages/####.html", "--html-index", "over all.html", "--html-size", "1", "a.####.pfm", "b.####.pfm", status=2)
+    check(os.path.getsize("over all.html") < 1e6, "an index of 300 is of that size, too", os.path.getsize("over all.html"))
+    b.open("pages/0003.html")
+    b.run("document.querySelector('header a').click()")
+    b.wait("location.href.endsWith('over%20all.html') && document.body?.dataset.ready")
+    silent(b, "links")
 
 
 def test_styles(b):

@@ -563,6 +563,7 @@ async function pick(a, b) {
   document.body.dataset.ready = `${state.entry} ${a} ${b}`; // for tests
 }
 
+const link = (text, path) => make('a', text, {href: path.split('/').map(encodeURIComponent).join('/')});
 const several = () => page.entries.length > 1;
 const coloured = (text, result) => make('span', text, {class: result.replace('file ', '')});
 
@@ -611,11 +612,8 @@ function list() {
   const index = page.kind === 'index', strip = $('strip').firstElementChild;
   $('strip').hidden = !several() && !index;
   if ($('strip').hidden) return;
-  const node = (e, i, text) => {
-    const n = index ? make('a', text, {href: e.href.split('/').map(encodeURIComponent).join('/')}) : make('button', text, {type: 'button'});
-    if (!index) n.onclick = () => open(i);
-    return n;
-  };
+  const node = (e, i, text) => index ? link(text, e.href)
+    : Object.assign(make('button', text, {type: 'button'}), {onclick: () => open(i)});
   page.entries.forEach((e, i) => {
     const item = make('li'), button = node(e, i), thumb = e.thumb || {w: 16, h: 9};
     const map = make('canvas', undefined, {width: thumb.w, height: thumb.h, 'aria-hidden': 'true'});
@@ -705,6 +703,7 @@ function listen() {
 }
 
 $('title').textContent = document.title = page.title;
+if (page.index) $('ask').before(link('all pages', page.index));
 $('map').getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(Array.from(heat, v => [v >> 16, v >> 8 & 255, v & 255, 255]).flat()), 256, 1), 0, 0);
 if (typeof DecompressionStream === 'undefined') {
   $('trouble').textContent = 'This browser cannot unpack the pictures (DecompressionStream): take one of 2023 or later. The figures are below.';
