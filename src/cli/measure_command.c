@@ -237,7 +237,7 @@ static gp_status take_table(void *user, const struct gp_log *log, json_t *frame)
     enum { FRAMES = 3 }; // of --paper
     struct user *const u = user;
     const struct gp_settings *const s = u->run.s;
-    const size_t room = gp_page_room(s, 4);
+    const size_t room = gp_page_room(s, u->set.n);
     json_t *const name = json_object_get(frame, "input"), *set = NULL;
     json_t *const entry =
         json_pack("{sO? sO sf so}", "label", s->bench.paper ? name : NULL,

@@ -629,7 +629,8 @@ const struct gp_option gp_options[] = {
     OPT(page.megabytes, .name = "html-size", .group = GP_GROUP_REPORT,
         .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE | GP_COMMAND_STYLES,
         .arg = "MB", .lo = 0.1, .hi = 1000, .aside = true, .help = "Make pages "
-        "of up to this size: beyond a region of whole pixels they have averages"),
+        "of up to this size: beyond a region of whole pixels they have averages; "
+        "styles, bench: without it 1.5 a picture"),
 
     OPT(words.version, .name = "version", ALL(GENERAL),
         .help = "Print the versions of the program and its libraries"),

@@ -399,7 +399,7 @@ def test_styles(b):
     b.wait("document.body.dataset.ready === '0 2 5'")
     made = b.run("$('made').innerText")
     check(f"glarepp --style {names[2]} alley.exr" in made and f"--style {names[5]} " in made, "two at a time, with their commands", made)
-    check(os.path.getsize("sheet.html") < 3e6, "below 3 MB")
+    check(b.run("state.set.scale") == 1 and os.path.getsize("sheet.html") < 13.5e6, "all pixels, of 1.5 MB a picture", os.path.getsize("sheet.html"))
     silent(b, "styles")
     axe(b, "styles")
 

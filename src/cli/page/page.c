@@ -6,17 +6,21 @@
 #include "core/memory.h"
 #include "io/file.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-size_t gp_page_room(const struct gp_settings *s, int entries)
+size_t gp_page_room(const struct gp_settings *s, int pictures)
 {
-    // figures, names and notes of an entry take up to about this
+    // names and figures of a picture take up to about this
     static const double TEXT = 4096.0, LEAST = 1024.0;
     const double page =
         (double) strlen(gp_page_before) + (double) strlen(gp_page_after);
-    const double room = 1e6 * s->page.megabytes - page - TEXT * entries;
+    const double pairs =
+        gp_option_given(s, "html-size") ? 1.0 : fmax(pictures / 2.0, 1.0);
+    const double room =
+        1e6 * s->page.megabytes * pairs - page - TEXT * pictures;
     return (size_t) (room > LEAST ? room : LEAST);
 }
 

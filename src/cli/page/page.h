@@ -70,8 +70,9 @@ GP_MUST_CHECK gp_status gp_page_thumb(const struct gp_log *log,
 
 // -- the page -------------------------------------------------------------------
 
-/* Bytes that --html-size leaves for the pictures of so many entries. */
-size_t gp_page_room(const struct gp_settings *s, int entries);
+/* Bytes that --html-size leaves for so many pictures; without it they have half as
+ * much each as a pair. */
+size_t gp_page_room(const struct gp_settings *s, int pictures);
 
 /* Makes a page without entries, under the name of `path`.
  *   out  {"kind", "title", "version", "command", "entries": []}; the command makes
