@@ -85,31 +85,21 @@ static json_t *gates_of(const struct glarepp_compare_params *p,
 // -- pictures --------------------------------------------------------------------
 
 /* A file as the page names it, and the command that made it, under its name. */
-static json_t *about(const char *name, const char *path)
+static gp_status about(const struct gp_log *log, const char *name,
+                       const char *path, json_t **out)
 {
-    char ending[8], *command = NULL, *output = NULL, *text = NULL;
-    size_t size;
+    char ending[8], *command = NULL;
+    gp_status st = GP_OK;
     gp_file_ending(path, ending, sizeof ending);
     const bool may = strcmp(ending, "exr") == 0 || strcmp(ending, "png") == 0;
-    if (may && gp_file_exists(path) &&
-        gp_words_command(NULL, path, &output, &command))
-        command = NULL;
-    FILE *const f = command ? open_memstream(&text, &size) : NULL;
-    if (f) {
-        fputs(command, f);
-        if (output) {
-            fprintf(f, " %s", output);
-            gp_word_print(f, "", 0, gp_base_name(path));
-        }
-        fclose(f);
-    }
-    json_t *const o =
-        json_pack("{ss so so*}", "name", name, "file", gp_json_name(path),
-                  "command", text ? gp_json_name(text) : NULL);
+    if (may && gp_file_exists(path))
+        st = gp_words_command(NULL, path, true, &command);
+    if (st == GP_ERR_BUG)
+        return gp_no_memory(log, path);
+    *out = json_pack("{ss so so*}", "name", name, "file", gp_json_name(path),
+                     "command", command ? gp_json_name(command) : NULL);
     gp_free(command);
-    gp_free(output);
-    free(text);
-    return o;
+    return GP_OK;
 }
 
 /* The colour of file k; without one in both the first channel of floats, in
@@ -149,6 +139,7 @@ static gp_status make_set(const struct gp_log *log,
     const struct glarepp_rect w = f->window;
     struct gp_page_light light[2];
     struct glarepp_image map = GLAREPP_IMAGE;
+    json_t *text;
     gp_status st = GP_OK;
     for (int k = 0; k < 2; k++) {
         if (!find_light(e, k, &light[k], grey))
@@ -160,9 +151,10 @@ static gp_status make_set(const struct gp_log *log,
         s->keep = (struct gp_rect) {x, y, x + 1, y + 1};
     if (f->has_flip)
         GP_TRY(glarepp_compare_view(e->compare, -2, false, 1.0f, &map));
-    GP_TRY(gp_page_set_add(log, s, about("A", e->a), &light[0], NULL, NULL));
-    GP_TRY(gp_page_set_add(log, s, about("B", e->b), &light[1], &light[0],
-                           map.plane[0]));
+    GP_TRY(about(log, "A", e->a, &text));
+    GP_TRY(gp_page_set_add(log, s, text, &light[0], NULL, NULL));
+    GP_TRY(about(log, "B", e->b, &text));
+    GP_TRY(gp_page_set_add(log, s, text, &light[1], &light[0], map.plane[0]));
 out:
     glarepp_image_end(&map);
     return st;
@@ -441,7 +433,7 @@ static gp_status write_page(struct gp_compare_pages *p, const char *path)
 static gp_status list_page(struct gp_compare_pages *p, const char *path)
 {
     void *block = p->listed;
-    const size_t n = (size_t) (p->n_listed + p->n);
+    const size_t n = (size_t) p->n_listed + (size_t) p->n;
     const gp_status st =
         gp_resize(p->log, "page", n * sizeof *p->listed, &block);
     if (st)

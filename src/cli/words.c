@@ -256,24 +256,46 @@ static char *text_of(const struct gp_frame *f, const char *name)
     return text;
 }
 
-gp_status gp_words_command(const struct gp_log *log, const char *path,
-                           char **output, char **out)
+/* Appends " OPTION NAME" to a text of gp_alloc(). */
+static gp_status append_output(const struct gp_log *log, const char *output,
+                               const char *path, char **text)
 {
-    static const char name[] = "glarepp:command";
+    char *whole = NULL;
+    size_t size;
+    FILE *const f = open_memstream(&whole, &size);
+    if (f) {
+        fputs(*text, f);
+        gp_word_print(f, "", 0, output);
+        gp_word_print(f, "", 0, gp_base_name(path));
+    }
+    const bool full = f && ferror(f);
+    const bool written = f && fclose(f) == 0 && !full && whole;
+    gp_free(*text);
+    *text = written ? gp_strdup(whole) : NULL;
+    free(whole);
+    return *text ? GP_OK : gp_no_memory(log, path);
+}
+
+gp_status gp_words_command(const struct gp_log *log, const char *path,
+                           bool named, char **out)
+{
     const struct gp_read_params p = GP_READ_DEFAULTS;
     struct gp_frame f;
     gp_status st = gp_read_frame(log, &p, path, &f);
     if (st)
         return st;
-    *out = text_of(&f, name);
-    if (output)
-        *output = text_of(&f, "glarepp:output");
+    *out = text_of(&f, "glarepp:command");
+    char *const output = *out && named ? text_of(&f, "glarepp:output") : NULL;
     gp_frame_free(&f);
-    return *out ? GP_OK
-                : gp_fail(log, GP_ERR_DATA,
-                          "%s: no settings (found no %s); "
-                          "give a picture that glarepp made",
-                          path, name);
+    if (output)
+        st = append_output(log, output, path, out);
+    else if (!*out)
+        st = gp_fail(log, GP_ERR_DATA,
+                     "%s: no settings (found no glarepp:command); "
+                     "give a picture that glarepp made",
+                     path);
+    gp_free(output);
+    return st;
 }
 
 /* Leaves the options of a command: not its first word, nor its input. */
@@ -307,7 +329,7 @@ gp_status gp_words_read(const struct gp_log *log, const char *path,
                          strncmp(w->text, "\x76\x2f\x31\x01", 4) == 0;
     if (picture) {
         GP_FREE(w->text);
-        GP_TRY(gp_words_command(log, path, NULL, &w->text));
+        GP_TRY(gp_words_command(log, path, false, &w->text));
     } else if (size > MOST_BYTES || strlen(w->text) < size)
         GP_TRY(gp_fail(
             log, GP_ERR_DATA,

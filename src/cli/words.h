@@ -37,10 +37,10 @@ const char *gp_base_name(const char *path);
 void gp_word_print(FILE *f, const char *head, size_t n, const char *word);
 
 /* Finds the command that made a PNG or EXR: glarepp:command, gp_free() it.
- *   output  the option that named the file, if it says so; NULL: not wanted
+ *   named  with the option that named the file, where that is known, and its name
  * Errors: those of gp_read_frame(); GP_ERR_DATA the file has none. */
 GP_MUST_CHECK gp_status gp_words_command(const struct gp_log *log,
-                                         const char *path, char **output,
+                                         const char *path, bool named,
                                          char **out);
 
 /* Writes these options to --save-settings, one a line, quoted for a shell, as

@@ -363,13 +363,13 @@ static json_t *base64(const uint8_t *from, size_t n)
 
 /* Adds the length of packed bytes in base64; sets them as `key` of `to`, if that is
  * one; frees them. */
-static void take(void *bytes, size_t n, json_t *to, const char *key,
-                 size_t *total)
+static gp_status take(const struct gp_log *log, void *bytes, size_t n,
+                      json_t *to, const char *key, size_t *total)
 {
+    const bool lost = to && json_object_set_new(to, key, base64(bytes, n)) != 0;
     *total += (n + 2) / 3 * 4;
-    if (to)
-        json_object_set_new(to, key, base64(bytes, n));
     gp_free(bytes);
+    return lost ? gp_no_memory_bare(log, "page") : GP_OK;
 }
 
 static gp_status pack_map(struct coder *k, const uint8_t *map, int level,
@@ -383,9 +383,7 @@ static gp_status pack_map(struct coder *k, const uint8_t *map, int level,
     copy_region(k->s, k->p, map, 1, k->out);
     const gp_status st =
         gp_zlib_pack(k->log, k->out, k->p->n, level, &bytes, &n);
-    if (!st)
-        take(bytes, n, to, key, total);
-    return st;
+    return st ? st : take(k->log, bytes, n, to, key, total);
 }
 
 /* Packs all pictures by a plan, into `list` where that is one; *total is the
@@ -416,7 +414,7 @@ static gp_status pack_all(const struct gp_log *log, const struct gp_page_set *s,
         gp_free(bytes[!d]);
         GP_TRY(st);
         json_t *const to = list ? picture->about : NULL;
-        take(bytes[d], n[d], to, "rgb", total);
+        GP_TRY(take(log, bytes[d], n[d], to, "rgb", total));
         if (to)
             json_object_set_new(to, "delta", json_boolean(d));
         GP_TRY(pack_map(&k, picture->relative, level, to, "relative", total));
@@ -580,6 +578,7 @@ gp_status gp_page_thumb(const struct gp_log *log, const struct gp_page_set *s,
     }
     GP_TRY(gp_zlib_pack(log, k.out, 3 * p.n, SMALL, &bytes, &n));
     *out = json_pack("{si si so}", "w", p.w, "h", p.h, "rgb", base64(bytes, n));
+    st = *out ? GP_OK : gp_no_memory_bare(log, "page");
 out:
     gp_free(bytes);
     end_coder(&k);
