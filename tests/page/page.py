@@ -368,6 +368,7 @@ def test_sequence(b, rng):
           "a pair without pictures says so", b.run("$('without').innerText"))
     check(b.run("[...document.querySelectorAll('#strip .pair')].map(n => n.innerText.includes('no picture'))") == [not s for s in shown],
           "and those that have none are named")
+    axe(b, "a sequence")
     os.mkdir("pages")
     glarepp("compare", "-q", "-f", f"{some[0]},{some[1]},{max(worst)}", "--html", "pages/p & q.####.html", "--html-index", "pages/index.html", "a.####.pfm", "b.####.pfm", status=2)
     b.open("pages/index.html")
