@@ -325,6 +325,8 @@ def test_hard(b, rng):
         if one == evil:
             check("<script>alert(1)<!--.exr" in text and "<script>" in b.run("$('facts').textContent") and
                   b.run("document.scripts.length") == 2, "names are text, never markup", text[:300])
+        if what in ("deep", "a missing file"):
+            check(("deep pixels" if what == "deep" else "cannot be read") in b.run("$('without').innerText"), f"{what}: no pictures, and why")
         if what == "NaN and Inf":
             b.run("point(4, 3)")
             check(values(b)[0] == ["NaN", "Infinity", "-Infinity"], "NaN and Inf by their names", values(b))
