@@ -479,12 +479,11 @@ static gp_status read_file(const struct gp_log *log,
 {
     gp_status st;
     struct gp_stored_file file;
-    const struct gp_read_params limits = gp_read_limits(p);
     const struct gp_decoded *const image = &file.first;
     struct list list = {.path = path};
     struct place at;
     struct gp_plane plane = {0};
-    GP_TRY(gp_stored_open(log, &limits, path, &file));
+    GP_TRY(gp_stored_open(log, p, path, &file));
     if (file.input) {
         GP_TRY(list_exr(log, file.input, false, kind == DEPTH, &list));
     } else {

@@ -184,9 +184,7 @@ gp_status gp_read_open(const struct gp_log *log, const struct gp_read_params *p,
     const uint64_t most = UINT64_MAX / 32, pixels = (uint64_t) p->max_pixels;
     const uint64_t limit = (pixels < most ? pixels : most) * 16 + (1 << 26);
     const struct gp_reader *r = NULL;
-    gp_status st = p->regular && strcmp(path, "-") != 0
-                       ? gp_stream_open_regular(log, path, stream)
-                       : gp_stream_open(log, path, GP_FIRST_BYTES, stream);
+    gp_status st = gp_stream_open(log, path, GP_FIRST_BYTES, stream);
     if (!st)
         st = find_reader(log, path, stream, &r);
     *exr = r == gp_readers;

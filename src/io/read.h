@@ -23,19 +23,14 @@ struct gp_read_params {
     const char *layer;     // EXR layer of its colour
     const char *part;      // number from 0, or name
     const char *view;      // eye of a stereo file
-    // refuse a FIFO or a device, which may never end; "-" is stdin
-    bool regular;
 };
 #define GP_READ_DEFAULTS { .max_pixels = 1LL << 28 }
 
-/* The limits of `p` for another file than the frame, a regular one. */
+/* The limits of `p` for another file than the frame. */
 static inline struct gp_read_params gp_read_limits(
     const struct gp_read_params *p)
 {
-    return (struct gp_read_params) {
-        .max_pixels = p->max_pixels,
-        .regular = true,
-    };
+    return (struct gp_read_params) {.max_pixels = p->max_pixels};
 }
 
 /* The part, layer and view of a frame, as gp_read_params takes them; "" where

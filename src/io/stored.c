@@ -242,8 +242,7 @@ gp_status gp_read_deep(const struct gp_log *log, const struct gp_read_params *p,
                        struct gp_stored_image *out, bool *found)
 {
     struct gp_stored_file file = {.path = f->path, .input = f->input};
-    const struct gp_read_params limits = gp_read_limits(p);
-    gp_status st = path ? gp_stored_open(log, &limits, path, &file) : GP_OK;
+    gp_status st = path ? gp_stored_open(log, p, path, &file) : GP_OK;
     const int part =
         st || !file.input ? -1 : deep_part(file.input, path ? -1 : f->part);
     *found = part >= 0;

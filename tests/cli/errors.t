@@ -145,7 +145,9 @@ for device in /dev/zero /dev/urandom; do
     none='*: not a format that glarepp reads (unknown data, *); convert it, *'
     endless $device "$none" "$device as input" $device
     endless - "$none" "$device as stdin" - <$device
-    endless $device '*: no regular file (*' "$device as kernel" -k $device in.exr
+    endless $device "$none" "$device as kernel" -k $device in.exr
+    endless $device "$none" "$device as depth" --sun 9,9 --depth-file $device \
+        in.exr
     bounded compare $device in.exr
     fails_with 4 $device "$device to compare"
     ln -s $device "${device#/dev/}.exr"

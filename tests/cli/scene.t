@@ -229,12 +229,6 @@ for name in fifo zero; do
         status=$?
         fails_with 4 "$name.bin: no regular file" "$name, given to --$option"
     done
-    for option in source source-mask mask-file depth-file deep kernel; do
-        timeout 20 "$glarepp" --sun 9,9,2 --$option $name.bin -o o.png \
-            small.exr >out 2>err
-        status=$?
-        fails_with 4 "$name.bin: no regular file" "$name, given to --$option"
-    done
 done
 mkfifo pipe
 run --lens pipe -o o.png small.exr
