@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST = 64, PARTS = 26, COARSE = 32, FINE = 72 };
+enum { MOST = 64, PARTS = 26, COARSE = 32, FINE = 72, STEPS = 4096 };
 #define DEGREE (3.14159265358979323846 / 180.0)
 
 static int n, stop, blades, tables;
@@ -28,6 +28,8 @@ static struct table {
     double nm[256], angle[64], share[256 * 64];
 } table[16];
 static double vertex[MOST + 1], index_of[MOST + 1], lambda;
+static float mirror[MOST][2]
+                   [STEPS + 2]; // shares by the cosine, forwards and back
 
 static double number(void)
 {
@@ -51,7 +53,7 @@ static double film(double n1, double n2, double sine, double layer)
     const double c1 = sqrt(1 - sine * sine), c2 = sqrt(1 - s * s / (n2 * n2));
     const double cm = sqrt(1 - s * s / (m * m));
     const double phase = layer > 0 ? 90 * DEGREE * layer / lambda * cm : 0;
-    const double x = cos(phase) * cos(phase), y = sin(phase) * sin(phase);
+    const double x = cos(phase) * cos(phase), y = 1 - x;
     double sum = 0;
     for (int p = 0; p < 2; p++) {
         const double a = p ? n1 / c1 : n1 * c1, b = p ? n2 / c2 : n2 * c2;
@@ -93,20 +95,24 @@ static double reflected(int i, double n1, double n2, double cosine)
 
 struct ray {
     double p[3], d[3], light;
+    int open[2]; // for the ray, and for its mirror image in y
 };
 
-/* Returns 1 where a ray on surface i is within its rim, or the blades. */
-static int is_open(const struct ray *r, int i)
+/* Returns 1 where a ray on surface i, or its mirror image, is within its rim, or the
+ * blades: only these are not the same in both halves. */
+static int is_open(struct ray *r, int i)
 {
     if (i != stop || !blades)
         return hypot(r->p[0], r->p[1]) <= semi[i];
     for (int b = 0; b < blades; b++) {
         const double a = (2 * b + 1) * 180.0 / blades - turn - toward;
-        if (r->p[0] * cos(a * DEGREE) + r->p[1] * sin(a * DEGREE) >
-            semi[i] * cos(180.0 / blades * DEGREE))
-            return 0;
+        const double edge = semi[i] * cos(180.0 / blades * DEGREE);
+        const double x = r->p[0] * cos(a * DEGREE),
+                     y = r->p[1] * sin(a * DEGREE);
+        r->open[0] = r->open[0] && x + y <= edge;
+        r->open[1] = r->open[1] && x - y <= edge;
     }
-    return 1;
+    return r->open[0] || r->open[1];
 }
 
 /* Sends a ray to surface i, and through it or back; 0: it is lost. */
@@ -151,7 +157,9 @@ static int meet(struct ray *r, int i, int mirrors)
     }
     const double n1 = index_of[back ? i + 1 : i],
                  n2 = index_of[back ? i : i + 1];
-    const double share = n1 == n2 ? 0 : reflected(i, n1, n2, fmin(cosine, 1));
+    const double step = fmin(cosine, 1) * STEPS;
+    const float *const m = mirror[i][back] + (int) step;
+    const double share = m[0] + (step - (int) step) * (m[1] - m[0]);
     const double ratio = n1 / n2,
                  left = 1 - ratio * ratio * (1 - cosine * cosine);
     if (!mirrors && left <= 0)
@@ -166,10 +174,10 @@ static int meet(struct ray *r, int i, int mirrors)
 
 /* Traces a ray that enters at x, y by a path; returns its light on the sensor's plane. */
 static double trace(int first, int second, double x, double y, double u,
-                    double at[2])
+                    double at[2], int open[2])
 {
     struct ray r = {
-        {x, y, 0}, {u / sqrt(1 + u * u), 0, 1 / sqrt(1 + u * u)}, 1};
+        {x, y, 0}, {u / sqrt(1 + u * u), 0, 1 / sqrt(1 + u * u)}, 1, {1, 1}};
     int i = 0, turns = first < 0 ? 2 : 0;
     while (i < n) {
         const int mirrors =
@@ -184,6 +192,7 @@ static double trace(int first, int second, double x, double y, double u,
     const double t = (vertex[n] - r.p[2]) / r.d[2];
     at[0] = r.p[0] + t * r.d[0];
     at[1] = r.p[1] + t * r.d[1];
+    memcpy(open, r.open, sizeof r.open);
     return r.light;
 }
 
@@ -191,8 +200,15 @@ static void choose(double nm)
 {
     lambda = nm;
     index_of[0] = 1;
-    for (int i = 0; i < n; i++)
-        index_of[i + 1] = cauchy(glass[i], abbe[i], nm);
+    for (int i = 0; i < n; i++) {
+        const double n1 = index_of[i], n2 = cauchy(glass[i], abbe[i], nm);
+        index_of[i + 1] = n2;
+        for (int k = 0; k < STEPS + 2; k++) {
+            const double cosine = fmin(1, k / (double) STEPS);
+            mirror[i][0][k] = n1 == n2 ? 0 : reflected(i, n1, n2, cosine);
+            mirror[i][1][k] = n1 == n2 ? 0 : reflected(i, n2, n1, cosine);
+        }
+    }
 }
 
 /* The light of a path over a box of its entrance, by `cells` a side in its upper half; the
@@ -201,20 +217,21 @@ static void gather(int first, int second, double u, double box[3], int cells,
                    double *in, double *all)
 {
     const double dx = (box[1] - box[0]) / cells, dy = box[2] / cells;
+    const double c = cos(toward * DEGREE), e = sin(toward * DEGREE);
     double low = 1e9, top = -1e9, side = 0;
     *in = *all = 0;
     for (int k = 0; k < cells * cells; k++) {
         const double x = box[0] + (k % cells + 0.5) * dx,
                      y = (k / cells + 0.5) * dy;
-        for (int s = -1; s < 2;
-             s += 2) { // blades are not the same in both halves
-            double at[2];
-            const double light = trace(first, second, x, s * y, u, at);
-            if (!(light > 0))
+        double at[2];
+        int open[2];
+        const double light = trace(first, second, x, y, u, at, open);
+        for (int half = 0; half < 2 && light > 0; half++) {
+            const double aside = half ? -at[1] : at[1];
+            const double px = at[0] * c - aside * e + axis_x;
+            const double py = at[0] * e + aside * c + axis_y;
+            if (!open[half])
                 continue;
-            const double c = cos(toward * DEGREE), e = sin(toward * DEGREE);
-            const double px = at[0] * c - at[1] * e + axis_x;
-            const double py = at[0] * e + at[1] * c + axis_y;
             *all += light * dx * dy;
             *in += px >= 0 && px < wide && py >= 0 && py < high
                        ? light * dx * dy
@@ -233,8 +250,9 @@ static void gather(int first, int second, double u, double box[3], int cells,
 
 int main(int words, char **word)
 {
-    double image[PARTS], all = 0;
-    static double light[MOST * MOST][PARTS][2], box[MOST * MOST][3];
+    double image[PARTS], all = 0, in;
+    static double light[MOST * MOST][PARTS][2], box[MOST * MOST][3],
+        sum[MOST * MOST];
     n = (int) number();
     stop = (int) number();
     blades = (int) number();
@@ -265,48 +283,41 @@ int main(int words, char **word)
         for (int i = 0; i < table[t].nms * table[t].angles; i++)
             table[t].share[i] = number();
     }
+    // the box of each ghost, and what matters: the others' sum is under .002
+    choose(480);
+    for (int k = 0; k < n * n; k++) {
+        const int first = k / n, second = k % n;
+        // slope moves rays from the vertex's plane to the rim
+        const double more = 1.2 * semi[0];
+        box[k][0] = -more;
+        box[k][1] = box[k][2] = more;
+        if (second < first && first != stop && second != stop &&
+            (words < 3 || (first == atoi(word[1]) && second == atoi(word[2]))))
+            gather(first, second, slope, box[k], COARSE, &in, &sum[k]);
+        all += sum[k];
+    }
     for (int w = 0; w < PARTS; w++) {
-        double in, own[3] = {-semi[0], semi[0], semi[0]};
+        double own[3] = {-semi[0], semi[0], semi[0]};
         choose(380 + 400 * (w + 0.5) / PARTS);
         gather(-1, -1, 0, own, COARSE, &in, &image[w]);
         gather(-1, -1, 0, own, 2 * FINE, &in, &image[w]);
-    }
-    const double more =
-        1.2 * semi[0]; // slope moves rays from the vertex's plane to the rim
-    for (int pass = 0; pass < 2; pass++) {
         for (int k = 0; k < n * n; k++) {
-            const int first = k / n, second = k % n;
-            double sum = 0;
-            if (second >= first || first == stop || second == stop ||
-                (words == 3 &&
-                 (first != atoi(word[1]) || second != atoi(word[2]))))
+            if (!(sum[k] > 1e-5 * all))
                 continue;
-            if (pass == 0) {
-                choose(480);
-                box[k][0] = -more;
-                box[k][1] = box[k][2] = more;
-                gather(first, second, slope, box[k], COARSE, &light[k][0][0],
-                       &light[k][0][1]);
-                all += light[k][0][1] / image[6];
-                continue;
-            }
-            sum = light[k][0][1] / image[6];
-            if (!(sum > 1e-5 * all)) // their sum is under .002
-                continue;
-            printf("%d %d", first, second);
-            for (int w = 0; w < PARTS; w++) {
-                double own[3];
-                const int cells = sum > 1e-3 * all ? FINE : COARSE;
-                choose(380 + 400 * (w + 0.5) / PARTS);
-                memcpy(own, box[k], sizeof own);
-                gather(first, second, slope, own, cells, &light[k][w][0],
-                       &light[k][w][1]);
-                printf(" %.9g %.9g",
-                       light[k][w][0] / image[w] / sqrt(1 + slope * slope),
-                       light[k][w][1] / image[w] / sqrt(1 + slope * slope));
-            }
-            printf("\n");
+            memcpy(own, box[k], sizeof own);
+            gather(k / n, k % n, slope, own,
+                   sum[k] > 1e-3 * all ? FINE : COARSE, &light[k][w][0],
+                   &light[k][w][1]);
         }
+    }
+    for (int k = 0; k < n * n; k++) {
+        if (!(sum[k] > 1e-5 * all))
+            continue;
+        printf("%d %d", k / n, k % n);
+        for (int w = 0; w < 2 * PARTS; w++)
+            printf(" %.9g", light[k][w / 2][w % 2] / image[w / 2] /
+                                sqrt(1 + slope * slope));
+        printf("\n");
     }
     return 0;
 }
