@@ -50,15 +50,90 @@ out:
     return st;
 }
 
-/* A surface, after one in `before`. */
-static gp_status read_surface(const struct gp_json_place *p, json_t *o,
-    double coating, const struct gp_lens_surface *before, bool last,
-    struct gp_lens_surface *out, bool *stop)
+/* Reads a list of rising numbers to the end of those of the lens. */
+static gp_status read_rising(const struct gp_json_place *p, json_t *o,
+                             const char *key, double lo, double hi,
+                             struct gp_lens *lens, int *n)
 {
+    double *const at = lens->number + lens->numbers;
+    json_t *list = NULL;
+    gp_status st = gp_json_array(
+        p, o, key, (size_t) (GP_LENS_NUMBERS - lens->numbers), &list);
+    if (st)
+        return st;
+    *n = (int) json_array_size(list);
+    st = gp_json_numbers(p, o, key, *n, lo, hi, at);
+    for (int i = 1; i < *n && !st; i++) {
+        if (!(at[i] > at[i - 1]))
+            st = gp_json_fail(p,
+                              "\"%s\" does not rise (found %g after %g); "
+                              "sort it",
+                              key, at[i], at[i - 1]);
+    }
+    if (!st && *n < 2)
+        st = gp_json_fail(p, "\"%s\" has %d numbers; give 2 or more", key, *n);
+    lens->numbers += *n;
+    return st;
+}
+
+/* Reads a coat's table, to the end of those of the lens. */
+static gp_status read_table(const struct gp_json_place *p, json_t *o,
+                            struct gp_lens *lens)
+{
+    static const char *const keys[] = {"name", "nm", "degrees", "reflectance",
+                                       NULL};
+    struct gp_lens_coat *const c = &lens->coat[lens->coats];
+    gp_status st;
+    c->at = lens->numbers;
+    GP_TRY(gp_json_keys(p, o, keys));
+    GP_TRY(read_text(p, o, "name", sizeof c->name, c->name));
+    if (!c->name[0] || !json_object_get(o, "reflectance"))
+        GP_TRY(gp_json_fail(p, "no %s; add it",
+                            c->name[0] ? "reflectance" : "name"));
+    GP_TRY(read_rising(p, o, "nm", 100.0, 1e5, lens, &c->nms));
+    GP_TRY(read_rising(p, o, "degrees", 0.0, 89.0, lens, &c->angles));
+    if (c->nms > (GP_LENS_NUMBERS - lens->numbers) / c->angles)
+        GP_TRY(gp_json_fail(p,
+                            "too large: %d wavelengths of %d angles; a lens "
+                            "has room for %d numbers",
+                            c->nms, c->angles, GP_LENS_NUMBERS));
+    GP_TRY(gp_json_numbers(p, o, "reflectance", c->nms * c->angles, 0.0, 1.0,
+                           lens->number + lens->numbers));
+    lens->numbers += c->nms * c->angles;
+    lens->coats++;
+out:
+    return st;
+}
+
+/* Reads the wavelength of a layer, or the name of a table. */
+static gp_status read_coat(const struct gp_json_place *p, json_t *o,
+                           const struct gp_lens *lens, double *out)
+{
+    const char *name = NULL;
+    if (!json_is_string(json_object_get(o, "coating")))
+        return gp_json_number(p, o, "coating", 0.0, 5000.0, out);
+    const gp_status st = gp_json_text(p, o, "coating", &name);
+    for (int i = 0; i < lens->coats && !st; i++) {
+        if (strcmp(name, lens->coat[i].name) != 0)
+            continue;
+        *out = -1.0 - i;
+        return GP_OK;
+    }
+    return gp_json_fail(p, "no coating \"%.40s\"; add it to \"coatings\"",
+                        name);
+}
+
+/* Reads surface i. */
+static gp_status read_surface(const struct gp_json_place *p, json_t *o,
+                              double coating, int i, struct gp_lens *lens,
+                              bool *stop)
+{
+    const struct gp_lens_surface *const before = i ? &lens->at[i - 1] : NULL;
+    const bool last = i == lens->n - 1;
     static const char *const keys[] = {
         "radius", "thickness", "n", "v", "semi", "coating", "stop", NULL};
     static const char *const stop_keys[] = {"thickness", "semi", "stop", NULL};
-    struct gp_lens_surface s = {.n = 1.0, .coat = -1.0}; // coat: not given
+    struct gp_lens_surface s = {.n = 1.0};
     double radius = INFINITY;
     gp_status st;
     *stop = json_is_true(json_object_get(o, "stop"));
@@ -74,7 +149,6 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_number(p, o, "radius", -1e9, 1e9, &radius));
     GP_TRY(gp_json_number(p, o, "n", 1.0, 5.0, &s.n));
     GP_TRY(gp_json_number(p, o, "v", 0.0, 200.0, &s.v));
-    GP_TRY(gp_json_number(p, o, "coating", 0.0, 5000.0, &s.coat));
     if (s.semi == 0.0 || (s.gap == 0.0 && !last))
         GP_TRY(gp_json_fail(p, "no %s; add it in millimetres",
                             s.semi > 0.0 ? "thickness" : "semi"));
@@ -90,9 +164,9 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
     s.curvature = 1.0 / radius;
     // by default between glass and air: cemented surfaces have no coat
     const double n = before ? before->n : 1.0;
-    if (s.coat < 0.0)
-        s.coat = !*stop && n != s.n && (n == 1.0 || s.n == 1.0) ? coating : 0.0;
-    *out = s;
+    s.coat = !*stop && n != s.n && (n == 1.0 || s.n == 1.0) ? coating : 0.0;
+    GP_TRY(read_coat(p, o, lens, &s.coat));
+    lens->at[i] = s;
 out:
     return st;
 }
@@ -105,9 +179,8 @@ static gp_status read_surfaces(const struct gp_json_place *p, json_t *list,
     for (int i = 0; i < lens->n; i++) {
         const struct gp_json_place at = {p->log, p->path, "surface", i + 1};
         bool stop;
-        const gp_status st = read_surface(
-            &at, json_array_get(list, (size_t) i), coating,
-            i ? &lens->at[i - 1] : NULL, i == lens->n - 1, &lens->at[i], &stop);
+        const gp_status st = read_surface(&at, json_array_get(list, (size_t) i),
+                                          coating, i, lens, &stop);
         if (st)
             return st;
         if (stop && lens->stop >= 0)
@@ -129,8 +202,8 @@ static gp_status read_lens(const struct gp_json_place *p, json_t *root,
                            struct gp_lens *lens)
 {
     static const char *const keys[] = {
-        "name", "patent", "note", "claims", "blades", "blade_turn", "coating",
-        "surfaces", NULL};
+        "name",       "patent",  "note",     "claims",   "blades",
+        "blade_turn", "coating", "coatings", "surfaces", NULL};
     struct glarepp_lens *const says = &lens->says;
     double coating = 0.0;
     json_t *list = NULL;
@@ -147,7 +220,14 @@ static gp_status read_lens(const struct gp_json_place *p, json_t *root,
         GP_TRY(gp_json_fail(p, "blades make no opening (found %d); give 3 to "
                             "32, or 0 for a round stop", says->blades));
     GP_TRY(gp_json_number(p, root, "blade_turn", -360.0, 360.0, &lens->turn));
-    GP_TRY(gp_json_number(p, root, "coating", 0.0, 5000.0, &coating));
+    if (json_object_get(root, "coatings"))
+        GP_TRY(gp_json_array(p, root, "coatings", GP_LENS_COATS, &list));
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const struct gp_json_place at = {p->log, p->path, "coating",
+                                         (int) i + 1};
+        GP_TRY(read_table(&at, json_array_get(list, i), lens));
+    }
+    GP_TRY(read_coat(p, root, lens, &coating));
     GP_TRY(gp_json_array(p, root, "surfaces", GP_LENS_SURFACES, &list));
     GP_TRY(read_surfaces(p, list, coating, lens));
 out:
@@ -204,8 +284,9 @@ static double of_layer(double r1, double r2, double twice)
     return all > 0.0 ? (r1 * r1 + r2 * r2 + both) / all : 1.0;
 }
 
-double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
-                           double nm)
+/* The share that a surface reflects, by the cosine in n1. */
+static double of_surface(double n1, double n2, double cosine, double coat,
+                         double nm)
 {
     const double fluoride = 1.38; // of magnesium, the hard coat of one layer
     const double sine2 = 1.0 - cosine * cosine;
@@ -240,11 +321,38 @@ static double index_at(const struct gp_lens *lens, int i, double nm)
                                         nm);
 }
 
-double gp_lens_axial(const struct gp_lens *lens, int i, double nm)
+/* Returns the place of v in n rising numbers: a step, and how far in it. */
+static int step_of(const double *at, int n, double v, double *t)
 {
-    return gp_lens_reflectance(index_at(lens, i, nm),
-                               index_at(lens, i + 1, nm), 1.0,
-                               lens->at[i].coat, nm);
+    int i = 0;
+    while (i + 2 < n && v >= at[i + 1])
+        i++;
+    *t = fmin(fmax((v - at[i]) / (at[i + 1] - at[i]), 0.0), 1.0);
+    return i;
+}
+
+double gp_lens_reflected(const struct gp_lens *lens, int i, double cosine,
+                         double nm)
+{
+    const double before = index_at(lens, i, nm);
+    const double after = index_at(lens, i + 1, nm);
+    if (!(lens->at[i].coat < 0.0))
+        return of_surface(fmin(before, after), fmax(before, after), cosine,
+                          lens->at[i].coat, nm);
+    const struct gp_lens_coat *const c =
+        &lens->coat[-1 - (int) lens->at[i].coat];
+    const double *const angle = lens->number + c->at + c->nms;
+    const double last = angle[c->angles - 1];
+    const double degrees = gp_acos(fmin(cosine, 1.0)) * (180.0 / M_PI);
+    double s, t;
+    const int row = step_of(lens->number + c->at, c->nms, nm, &s);
+    const int column = step_of(angle, c->angles, degrees, &t);
+    const double *const at = angle + c->angles * (row + 1) + column;
+    const double *const next = at + c->angles;
+    const double share = (1.0 - s) * ((1.0 - t) * at[0] + t * at[1]) +
+                         s * ((1.0 - t) * next[0] + t * next[1]);
+    // beyond the table to all of the light at 90 degrees
+    return share + (1.0 - share) * fmax(degrees - last, 0.0) / (90.0 - last);
 }
 
 /* Returns true where the index changes. */
@@ -381,7 +489,7 @@ double gp_lens_measure(const struct gp_lens *lens, struct glarepp_lens *out)
         const double height = fabs(to.b - to.a * s.b / s.a); // at slope 1
         if (i != lens->stop && height * field > lens->at[i].semi)
             field = lens->at[i].semi / height;
-        out->through *= 1.0 - gp_lens_axial(lens, i, GP_D_LINE);
+        out->through *= 1.0 - gp_lens_reflected(lens, i, 1.0, GP_D_LINE);
     }
     out->height = isfinite(field) ? out->focal * field : 0.0;
     return all.b - all.a * pupil_at;
@@ -400,7 +508,8 @@ static struct glarepp_ghost ghost_of(const struct gp_lens *lens, int first,
     gp_lens_path(lens, first, second, &path);
     for (int k = 0; k < path.steps; k++) {
         const int i = path.step[k].surface;
-        const double semi = lens->at[i].semi, r = gp_lens_axial(lens, i, nm);
+        const double semi = lens->at[i].semi,
+                     r = gp_lens_reflected(lens, i, 1.0, nm);
         m = times(of_step(lens, &path, k, nm), m);
         // else parallel light that all passes
         if (fabs(m.a) * 1e6 > semi && semi / fabs(m.a) < g.radius) {

@@ -26,6 +26,16 @@ enum {
     GP_LENS_GHOSTS = GP_LENS_SURFACES * (GP_LENS_SURFACES - 1) / 2,
     // of one path: to the sensor, back and forth
     GP_LENS_STEPS = 3 * GP_LENS_SURFACES,
+    GP_LENS_COATS = 8,
+    GP_LENS_NUMBERS = 4096, // of all tables
+};
+
+/* A coat's table, in the numbers of its lens: its wavelengths in nm, its angles in
+ * degrees in the thinner medium, both rising; then the shares that it reflects, a
+ * wavelength after the other. */
+struct gp_lens_coat {
+    char name[32];
+    int at, nms, angles;
 };
 
 struct gp_lens_surface {
@@ -33,7 +43,8 @@ struct gp_lens_surface {
     double gap;       // to the next surface, of the last to the sensor
     double n, v;      // index at the d line and Abbe number after it
     double semi;
-    double coat;      // wavelength in nm of a quarter-wave layer; 0: bare
+    double coat; // wavelength in nm of a quarter-wave layer; 0: bare;
+                 // -1 - k: table k of the lens
 };
 
 #define GP_D_LINE 587.5618 // nm, of helium: n and V are given for it
@@ -44,6 +55,9 @@ struct gp_lens {
     struct gp_lens_surface at[GP_LENS_SURFACES];
     int n, stop;      // surfaces; index of the stop
     double turn;      // of blades, degrees, counter-clockwise
+    struct gp_lens_coat coat[GP_LENS_COATS];
+    int coats, numbers;
+    double number[GP_LENS_NUMBERS];
 };
 
 /* A surface on the path of a ghost, in the order of the path. */
@@ -76,16 +90,13 @@ GP_MUST_CHECK gp_status gp_lens_read(const struct gp_log *log, const char *name,
  * meets n at the d line and V between the lines F and C. */
 double gp_lens_index(double n, double v, double nm);
 
-/* Returns the share that a surface reflects of unpolarised light.
- *   cosine  of the angle of incidence, in n1
- *   coat    wavelength of a quarter-wave layer of magnesium fluoride, or of
- *           the square root of n1 n2 where that is higher; 0: bare
+/* Returns the share that surface i reflects of unpolarised light, with its coat:
+ * a layer of magnesium fluoride, or of the square root of n1 n2 where that is
+ * higher, or a table. `cosine` is in the thinner medium: from both sides it is the
+ * same.
  * Source: Fresnel; two beams of a layer as in Hullin et al. 2011, appendix. */
-double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
-                           double nm);
-
-/* Returns the share that surface i reflects on the axis. */
-double gp_lens_axial(const struct gp_lens *lens, int i, double nm);
+double gp_lens_reflected(const struct gp_lens *lens, int i, double cosine,
+                         double nm);
 
 /* Focuses: sets the last gap so that an object at `distance` mm before the
  * first surface (INFINITY: far) is sharp, and closes the stop to f_number where

@@ -4,6 +4,8 @@
 #include "sun/lens_priv.h"
 
 #include "core/colour.h"
+#include "core/cpu.h"
+#include "core/luminance.h"
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -13,7 +15,7 @@
 
 // -- the spectrum -------------------------------------------------------------
 
-const double gp_lens_node[GP_LENS_NODES] = {450.0, 545.0, 640.0};
+const double gp_lens_node[GP_LENS_NODES] = {420.0, 545.0, 640.0};
 static const int bands_of_set[GP_LENS_SETS] = {1, 3, 6, 12, 24, 48, 96};
 
 /* In 1 / nm: Cauchy's index, and with it the places of rays, go with its
@@ -30,89 +32,135 @@ static void lagrange(double nm, double out[GP_LENS_NODES])
     }
 }
 
-void gp_lens_light_of(const struct gp_lens_band *b,
-                      const double root[GP_LENS_NODES], double out[3])
-{
-    for (int c = 0; c < 3; c++) {
-        double sum = 0.0;
-        for (int i = 0; i < GP_LENS_NODES; i++) {
-            for (int k = 0; k < GP_LENS_NODES; k++)
-                sum += b->light[c][i][k] * root[i] * root[k];
-        }
-        out[c] = sum;
-    }
-}
-
 void gp_lens_spectrum_make(const float *chromaticities,
                            const struct gp_lens *lens,
                            const double image[GP_LENS_NODES],
                            struct gp_lens_spectrum *out)
 {
-    gp_spectrum_colours(chromaticities, GP_LENS_PARTS, out->nm, out->rgb);
+    double rgb[GP_LENS_PARTS][3];
+    struct gp_lens_path straight;
+    struct gp_lens_pair pair;
+    gp_spectrum_colours(chromaticities, GP_LENS_PARTS, out->nm, rgb);
+    for (int k = 0; k < lens->n * (GP_LENS_COSINES + 1); k++) {
+        const int surface = k / (GP_LENS_COSINES + 1);
+        const int step = k % (GP_LENS_COSINES + 1);
+        const double root = step / (double) GP_LENS_COSINES;
+        for (int i = 0; i < GP_LENS_PARTS; i++)
+            out->reflected[surface][step][i] = (float) gp_lens_reflected(
+                lens, surface, 1.0 - root * root, out->nm[i]);
+    }
+    for (int i = 0; i < GP_LENS_PARTS; i++) {
+        double at[GP_LENS_NODES];
+        lagrange(out->nm[i], at);
+        for (int k = 0; k < GP_LENS_NODES; k++)
+            out->at[k][i] = at[k];
+    }
+    gp_lens_path(lens, -1, -1, &straight);
+    gp_lens_pair_make(out, lens, &straight, &pair);
     for (int i = 0; i < GP_LENS_PARTS; i++) {
         double root = 0.0;
-        lagrange(out->nm[i], out->at[i]);
         for (int k = 0; k < GP_LENS_NODES; k++)
-            root += out->at[i][k] * sqrt(image[k]);
+            root += out->at[k][i] * sqrt(image[k]);
         for (int c = 0; c < 3; c++)
-            out->rgb[i][c] /= root * root;
-        for (int k = 0; k < lens->n; k++)
-            out->reflects[k][i] = gp_lens_axial(lens, k, out->nm[i]);
-    }
-    for (int k = 0; k < lens->n * GP_LENS_NODES; k++) {
-        const int surface = k / GP_LENS_NODES, node = k % GP_LENS_NODES;
-        out->at_node[surface][node] =
-            gp_lens_axial(lens, surface, gp_lens_node[node]);
+            out->rgb[c][i] = rgb[i][c] / (root * root * pair.over[i]);
     }
 }
 
-/* The reflectance of a coat goes with the square of the distance, in 1 / nm, to its own
- * wavelength, and that of two surfaces with the fourth power: it is the root that
- * Lagrange's polynomial follows from node to node. What this misses, mostly in the violet
- * and of coats of several layers, is known on the axis, and is as much of all rays. */
 void gp_lens_pair_make(const struct gp_lens_spectrum *s,
-                       const struct glarepp_ghost *g, struct gp_lens_pair *out)
+                       const struct gp_lens *lens,
+                       const struct gp_lens_path *path,
+                       struct gp_lens_pair *out)
 {
-    double root[GP_LENS_NODES], all = 0.0;
-    for (int k = 0; k < GP_LENS_NODES; k++) {
-        root[k] = sqrt(s->at_node[g->first][k] * s->at_node[g->second][k]);
-        all += root[k];
+    *out = (struct gp_lens_pair) {.axis = {1.0, 1.0, 1.0}};
+    for (int i = 0; i < GP_LENS_PARTS; i++)
+        out->over[i] = 1.0;
+    for (int j = 0, turns = 0; j < path->steps; j++) {
+        const int surface = path->step[j].surface;
+        const float *const reflected = s->reflected[surface][0];
+        if (path->step[j].reflects) {
+            out->by[turns++] = s->reflected[surface];
+            continue;
+        }
+        for (int k = 0; k < GP_LENS_NODES; k++)
+            out->axis[k] *=
+                1.0 - gp_lens_reflected(lens, surface, 1.0, gp_lens_node[k]);
+        for (int i = 0; i < GP_LENS_PARTS; i++)
+            out->over[i] *= 1.0 - (double) reflected[i];
     }
     for (int i = 0; i < GP_LENS_PARTS; i++) {
-        double sum = 0.0;
+        double root = 0.0;
         for (int k = 0; k < GP_LENS_NODES; k++)
-            sum += s->at[i][k] * root[k];
-        const double missed =
-            s->reflects[g->first][i] * s->reflects[g->second][i] - sum * sum;
-        out->missed[i] = all > 0.0 ? missed / (all * all) : 0.0;
+            root += s->at[k][i] * sqrt(out->axis[k]);
+        out->over[i] = root > 0.0 ? out->over[i] / (root * root) : 0.0;
     }
 }
 
-void gp_lens_bands_make(const struct gp_lens_spectrum *s,
-                        const struct gp_lens_pair *pair, int set,
-                        struct gp_lens_band *band)
+/* The light of parts of one angle at each reflection. */
+static inline void add_parts(const struct gp_lens_spectrum *s,
+                             const struct gp_lens_pair *pair, int from, int to,
+                             const double root[GP_LENS_NODES],
+                             const double cosine[2], double sum[3])
 {
-    const int each = GP_LENS_PARTS / bands_of_set[set];
-    for (int b = 0; b < bands_of_set[set]; b++) {
-        struct gp_lens_band *const out = &band[b];
-        double sum = 0.0, middle = 0.0;
-        *out = (struct gp_lens_band) {0};
-        for (int i = b * each; i < (b + 1) * each; i++) {
-            const double *const at = s->at[i];
-            for (int c = 0; c < 3; c++) {
-                for (int k = 0; k < GP_LENS_NODES * GP_LENS_NODES; k++)
-                    out->light[c][k / GP_LENS_NODES][k % GP_LENS_NODES] +=
-                        s->rgb[i][c] *
-                        (at[k / GP_LENS_NODES] * at[k % GP_LENS_NODES] +
-                         pair->missed[i]);
-                sum += fabs(s->rgb[i][c]);
-                middle += fabs(s->rgb[i][c]) * s->nm[i];
-            }
-        }
-        // places, of Cauchy's index, are followed further: all violet at
-        // the place of one wavelength would be a ring
-        lagrange(fmin(fmax(middle / sum, 390.0), 720.0), out->of_node);
+    double light[GP_LENS_SAME];
+    const float *row[2][2];
+    float t[2];
+    for (int k = 0; k < 2; k++) {
+        const double at =
+            GP_LENS_COSINES * sqrt(1.0 - gp_mind(gp_maxd(cosine[k], 0.0), 1.0));
+        row[k][0] = pair->by[k][(int) at];
+        row[k][1] = pair->by[k][(int) at + 1];
+        t[k] = (float) (at - (int) at);
     }
+    for (int i = from; i < to; i++) {
+        const double r = s->at[0][i] * root[0] + s->at[1][i] * root[1] +
+                         s->at[2][i] * root[2];
+        const float a = row[0][0][i] + t[0] * (row[0][1][i] - row[0][0][i]);
+        const float b = row[1][0][i] + t[1] * (row[1][1][i] - row[1][0][i]);
+        light[i - from] = r * r * pair->over[i] * (double) (a * b);
+    }
+    for (int i = from; i < to; i++) {
+        for (int c = 0; c < 3; c++)
+            sum[c] += s->rgb[c][i] * light[i - from];
+    }
+}
+
+/* The nodes know where a ray goes and what it loses on its way; how much the two surfaces
+ * reflect turns too fast with the wavelength for them, and is known in each part. */
+GP_CLONES void gp_lens_light_of(const struct gp_lens_spectrum *s,
+                                const struct gp_lens_pair *pair,
+                                const struct gp_lens_band *band,
+                                const double root[GP_LENS_NODES],
+                                const double cosine[2][GP_LENS_NODES],
+                                double out[3])
+{
+    double sum[3] = {0};
+    for (int i = band->from; i < band->to; i += GP_LENS_SAME) {
+        const int to = gp_min(i + GP_LENS_SAME, band->to),
+                  middle = (i + to) / 2;
+        double own[2] = {0};
+        for (int k = 0; k < 2 * GP_LENS_NODES; k++)
+            own[k % 2] += s->at[k / 2][middle] * cosine[k % 2][k / 2];
+        add_parts(s, pair, i, to, root, own, sum);
+    }
+    memcpy(out, sum, sizeof sum);
+}
+
+/* Makes a band: its light is at the place of its middle. */
+static struct gp_lens_band band_of(const struct gp_lens_spectrum *s, int from,
+                                   int parts)
+{
+    struct gp_lens_band out = {.from = from, .to = from + parts};
+    double sum = 0.0, middle = 0.0;
+    for (int i = from; i < out.to; i++) {
+        for (int c = 0; c < 3; c++) {
+            sum += fabs(s->rgb[c][i]);
+            middle += fabs(s->rgb[c][i]) * s->nm[i];
+        }
+    }
+    // places, of Cauchy's index, are followed further: all violet at the place
+    // of one wavelength would be a ring
+    lagrange(fmin(fmax(middle / sum, 390.0), 720.0), out.of_node);
+    return out;
 }
 
 // -- places -------------------------------------------------------------------
@@ -238,7 +286,7 @@ void gp_lens_item_place(const struct gp_lens_view *v, double blur,
     while (level + 1 < GP_LENS_LEVELS && 2 << level <= finest)
         level++;
     // bands of equal width in nm are three times as far apart in the blue
-    const double allowed = (v->detail ? 0.5 : 3.0 * ease) * (1 << level);
+    const double allowed = (v->detail ? 0.65 : 3.9 * ease) * (1 << level);
     const int sets = v->detail ? GP_LENS_SETS : GP_LENS_SETS_COARSE;
     for (int i = 0; i < cells; i++) {
         int set = 0;
@@ -274,7 +322,6 @@ struct gp_lens_rays {
     uint8_t set[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // of cells; 0: none
     bool arrives[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
     bool clear[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
-    struct gp_lens_band band[GP_LENS_PARTS]; // of a set
     // of cells, with a dark one more on each side
     double density[(GP_LENS_CELLS + 2) * (GP_LENS_CELLS / 2 + 2)][3];
 };
@@ -305,26 +352,69 @@ static unsigned find_cells(const struct gp_lens_item *it, double y0, double y1,
     return all;
 }
 
+/* The light of a ray of a mesh in a band; false where it does not arrive at all
+ * nodes: it has the light of the others. */
+static bool shine(const struct gp_lens_item *it, int ray,
+                  const struct gp_lens_spectrum *s,
+                  const struct gp_lens_band *b, double light[3])
+{
+    const struct gp_lens_hit *const middle =
+        &rays_of(&it->mesh, GP_LENS_NODES / 2)[ray];
+    double root[GP_LENS_NODES], cosine[2][GP_LENS_NODES];
+    bool all = true;
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        const struct gp_lens_hit *const h = &rays_of(&it->mesh, k)[ray];
+        const bool arrives = h->through >= 0.0f;
+        all = all && arrives;
+        root[k] = arrives ? it->mesh.root[k] * sqrt((double) h->passed) : 0.0;
+        for (int e = 0; e < 2; e++)
+            cosine[e][k] = (double) (arrives ? h : middle)->cosine[e];
+    }
+    gp_lens_light_of(s, it->pair, b, root, cosine, light);
+    return all;
+}
+
+void gp_lens_item_light(struct gp_lens_item *it,
+                        const struct gp_lens_spectrum *s,
+                        const float luminance[3])
+{
+    struct gp_lens_mesh *const m = &it->mesh;
+    const struct gp_lens_hit *const middle = rays_of(m, GP_LENS_NODES / 2);
+    const struct gp_lens_band all = band_of(s, 0, GP_LENS_PARTS);
+    double sum[2][3] = {{0}}, own[3];
+    for (int i = 0; i < (m->cells + 1) * (m->cells / 2 + 1); i++) {
+        const float *const weight = middle[i].weight;
+        if (!(weight[1] > 0.0f))
+            continue;
+        shine(it, i, s, &all, own);
+        for (int k = 0; k < 6; k++)
+            sum[k / 3][k % 3] += (double) weight[k / 3] * own[k % 3];
+    }
+    const double cells = gp_luminance_of(luminance, sum[0]);
+    const double light = gp_luminance_of(luminance, sum[1]);
+    for (int c = 0; c < 3; c++)
+        it->light[c] = sum[1][c] * m->scale / sqrt(1.0 + it->u * it->u);
+    m->scale *= cells > 0.0 ? fmin(light / cells, 1.25) : 1.0;
+}
+
 /* `scale` is of a ray's light to light a step for a mm^2 before the lens. */
 static void make_rays(const struct gp_lens_item *it, int set,
+                      const struct gp_lens_spectrum *s,
                       const struct gp_lens_band *b, double step,
                       const double scale[3], struct gp_lens_rays *out)
 {
     const int n = (it->mesh.cells + 1) * (it->mesh.cells / 2 + 1);
     const double per = 1.0 / step;
     for (int i = 0; i < n; i++) {
-        double x = 0.0, y = 0.0, root[GP_LENS_NODES];
+        double x = 0.0, y = 0.0;
         if (!(out->needs[i] & 1u << set))
             continue;
-        out->arrives[i] = true;
+        out->arrives[i] = shine(it, i, s, b, out->light[i]);
         for (int k = 0; k < GP_LENS_NODES; k++) {
             const struct gp_lens_hit *const h = &it->mesh.hit[k * n + i];
             x += b->of_node[k] * h->x;
             y += b->of_node[k] * h->y;
-            root[k] = sqrt(gp_maxd((double) h->through, 0.0));
-            out->arrives[i] = out->arrives[i] && h->through >= 0.0f;
         }
-        gp_lens_light_of(b, root, out->light[i]);
         for (int c = 0; c < 3; c++)
             out->light[i][c] *= scale[c];
         for (int half = 0; half < 2; half++) {
@@ -370,25 +460,20 @@ static void add_piece(const struct gp_lens_cover *k, int n,
     }
 }
 
-/* Adds the part of a cell that rims and blades leave, with light a mm^2 before
- * the lens: `light` is the cell's mean, over which it goes as `through`. */
+/* Adds the part of a cell that rims and blades leave; `light` of the ray at each
+ * corner is a mm^2 before the lens. */
 static void add_cell(const struct gp_lens_cover *k,
                      const struct gp_lens_item *it,
                      union gp_lens_corner c[GP_LENS_CORNERS],
-                     const double light[3])
+                     const double *const light[4])
 {
-    double area = 0.0, through = 0.0, all = 0.0, own[3];
-    for (int i = 0; i < 4; i++)
-        all += 0.25 * c[i].through;
+    const union gp_lens_corner from = c[0], to = c[2];
     const int n = gp_lens_cut(&it->blades, it->mesh.passes, c);
-    for (int i = 0; i < n; i++) {
-        const union gp_lens_corner *const b = &c[i + 1 < n ? i + 1 : 0];
-        area += 0.5 * (c[i].p * b->q - b->p * c[i].q);
-        through += c[i].through / n;
-    }
-    for (int i = 0; i < 3; i++)
-        own[i] = fabs(area) * through * light[i] / all;
-    if (n && all > 0.0)
+    double share[4], own[3] = {0};
+    const double area = gp_lens_piece(c, n, &from, &to, share);
+    for (int i = 0; i < 12; i++)
+        own[i % 3] += area * share[i / 3] * light[i / 3][i % 3];
+    if (n)
         add_piece(k, n, c, own);
 }
 
@@ -465,14 +550,16 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
             if (share != 0.0)
                 continue;
             union gp_lens_corner c[GP_LENS_CORNERS];
+            const double *corner[4];
             for (int e = 0; e < 4; e++) {
                 c[e] = gp_lens_corner_of(
                     &hit[at[e]], m->x0 + dx * (i + (e == 1 || e == 2)),
                     dy * (j + (e >= 2)), sign);
                 c[e].x = p[e][0];
                 c[e].y = p[e][1];
+                corner[e] = rays->light[at[e]];
             }
-            add_cell(k, it, c, light);
+            add_cell(k, it, c, corner);
         }
     }
     for (int j = 0; j <= rows; j++) {
@@ -516,10 +603,10 @@ void gp_lens_item_draw(const struct gp_lens_item *it,
     const unsigned sets = find_cells(it, (top - 1.0) * step,
                                      (end - 1.0) * step, rays);
     for (int set = 0; set < GP_LENS_SETS; set++) {
-        if (sets >> set & 1)
-            gp_lens_bands_make(spectrum, it->pair, set, rays->band);
-        for (int b = 0; sets >> set & 1 && b < bands_of_set[set]; b++) {
-            make_rays(it, set, &rays->band[b], step, scale, rays);
+        const int parts = GP_LENS_PARTS / bands_of_set[set];
+        for (int i = 0; sets >> set & 1 && i < GP_LENS_PARTS; i += parts) {
+            const struct gp_lens_band band = band_of(spectrum, i, parts);
+            make_rays(it, set, spectrum, &band, step, scale, rays);
             draw_half(it, rays, 0, set, &k);
             draw_half(it, rays, 1, set, &k);
         }

@@ -119,7 +119,6 @@ enum {
 /* A ghost by first order: a disc of even light. */
 struct rank {
     double bright;   // luminance at a pixel that all lights together may make
-    double through[GP_LENS_NODES]; // of its path
     double share[3]; // of a light's flux, by channel
     double pixels;   // that it covers
     double norm;     // over the frame's pixels, for a share of 1
@@ -170,16 +169,19 @@ static void rank_ghost(struct drawing *d, int i, const double light[3])
     const double frame = (double) gp_rect_w(v->frame) *
                          (double) gp_rect_h(v->frame);
     struct rank *const rank = &d->rank[i];
+    const struct gp_lens_band band = {0, GP_LENS_PARTS, {0}};
+    const double axial[2][GP_LENS_NODES] = {{1.0, 1.0, 1.0}, {1.0, 1.0, 1.0}};
     double root[GP_LENS_NODES], all[3];
-    struct gp_lens_band band;
-    gp_lens_pair_make(&d->spectrum, g, &d->pair[i]);
-    gp_lens_bands_make(&d->spectrum, &d->pair[i], 0, &band);
+    struct gp_lens_path path;
+    gp_lens_path(d->lens, g->first, g->second, &path);
+    gp_lens_pair_make(&d->spectrum, d->lens, &path, &d->pair[i]);
     rank->norm = sqrt(fmin(pixels, frame)) / pixels;
     rank->pixels = pixels;
     rank->ghost = i;
     for (int k = 0; k < GP_LENS_NODES; k++)
-        root[k] = sqrt(rank->through[k] * disc);
-    gp_lens_light_of(&band, root, rank->share);
+        root[k] = sqrt(d->pair[i].axis[k] * disc);
+    gp_lens_light_of(&d->spectrum, &d->pair[i], &band, root, axial,
+                     rank->share);
     for (int c = 0; c < 3; c++)
         all[c] = light[c] * rank->share[c];
     rank->bright = gp_luminance_of(v->luminance, all) / pixels;
@@ -199,17 +201,12 @@ static void choose(struct drawing *d, int lights, struct glarepp_lens_facts *sta
 {
     const struct gp_lens_view *const v = d->view;
     double sum = 0.0, light[3] = {0};
-    int left = 0, n = 0;
+    const int n = gp_lens_ghosts(d->lens, GP_D_LINE, d->ghost, d->blur);
+    int left = 0;
     for (int i = 0; i < lights; i++) {
         for (int c = 0; c < 3; c++)
             light[c] += d->light[i].flux[c];
     }
-    for (int k = 0; k < GP_LENS_NODES; k++) {
-        n = gp_lens_ghosts(d->lens, gp_lens_node[k], d->ghost, NULL);
-        for (int i = 0; i < n; i++)
-            d->rank[i].through[k] = d->ghost[i].through;
-    }
-    gp_lens_ghosts(d->lens, GP_D_LINE, d->ghost, d->blur);
     for (int i = 0; i < n; i++)
         rank_ghost(d, i, light);
     qsort(d->rank, (size_t) n, sizeof *d->rank, by_brightness);
@@ -281,8 +278,10 @@ static gp_status trace_item(void *ctx, int i, int thread)
         NULL, d->optics, &path, &it->blades, it->u,
         ease * fmin(v->tolerance, most[v->detail]),
         ease * edge[v->detail] * fmax(blur, v->mm[0]), &it->mesh);
-    if (!st && it->mesh.cells)
+    if (!st && it->mesh.cells) {
+        gp_lens_item_light(it, &d->spectrum, v->luminance);
         gp_lens_item_place(v, blur, ease, it);
+    }
     return st;
 }
 
@@ -342,19 +341,11 @@ static gp_status run_chunk(struct drawing *d, struct glarepp_lens_facts *stats)
     for (int i = 0; i < d->items; i++) {
         struct gp_lens_item *const it = &d->item[i];
         if (!st && it->mesh.cells) {
-            double own[3], root[GP_LENS_NODES], arrives = 0.0;
-            struct gp_lens_band band;
-            for (int k = 0; k < GP_LENS_NODES; k++) {
-                root[k] = sqrt(it->mesh.flux[k]);
-                arrives += it->mesh.flux[k] / GP_LENS_NODES;
-            }
-            gp_lens_bands_make(&d->spectrum, it->pair, 0, &band);
-            gp_lens_light_of(&band, root, own);
+            double own[3];
             for (int c = 0; c < 3; c++)
-                stats->light[c] += own[c] *= it->flux[c];
-            if (arrives > 0.0)
-                stats->lost += gp_luminance_of(d->view->luminance, own) *
-                               it->mesh.lost / arrives;
+                stats->light[c] += own[c] = it->light[c] * it->flux[c];
+            stats->lost += gp_luminance_of(d->view->luminance, own) *
+                           it->mesh.lost / it->mesh.flux[GP_LENS_NODES / 2];
             if (it->level >= 0)
                 stats->steps[it->level]++;
         }

@@ -22,14 +22,17 @@ struct gp_lens_optics {
     double nm;
     double n[GP_LENS_SURFACES + 1]; // before each surface, after the last
     double z[GP_LENS_SURFACES + 1]; // of each surface and of the sensor
-    // share reflected by the cosine in the first medium, forwards and back
-    float reflected[GP_LENS_SURFACES][2][GP_LENS_TABLE + 2];
+    // share reflected, by the cosine in the thinner medium: from both sides
+    float reflected[GP_LENS_SURFACES][GP_LENS_TABLE + 2];
 };
 
 /* The place at which a ray lands. */
 struct gp_lens_hit {
     double x, y;     // on the sensor
     float through;   // share of the ray's light; negative: it does not arrive
+    float passed;    // the same, without the two reflections
+    float cosine[2]; // at these, in the thinner medium
+    float weight[2]; // mm^2 that it stands for: in cells that are drawn, in all
     float rim;       // largest height over semi of any surface but the stop
     float stop[GP_LENS_PASSES][2]; // place over the stop's semi, at each pass
 };
@@ -42,6 +45,7 @@ struct gp_lens_mesh {
     int passes;         // of the stop
     double x0, x1, y1;  // mm
     double flux[GP_LENS_NODES]; // mm^2 times share that arrives
+    double root[GP_LENS_NODES]; // of what other rims at a node let through
     double scale;       // of the cells' light, towards an endless mesh
     double lost;        // the same of cells with a ray that does not arrive
     struct gp_lens_hit *hit; // owned; [node][row of y][column of x]
@@ -59,10 +63,10 @@ union gp_lens_corner {
     struct {
         double p, q;   // before the lens
         double x, y;   // on the sensor
-        double through, rim;
+        double rim;
         double stop[GP_LENS_PASSES][2];
     };
-    double all[6 + 2 * GP_LENS_PASSES];
+    double all[5 + 2 * GP_LENS_PASSES];
 };
 enum { GP_LENS_CORNERS = 4 + 1 + GP_LENS_PASSES * 32 };
 
@@ -117,6 +121,12 @@ union gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
 int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
                 union gp_lens_corner c[GP_LENS_CORNERS]);
 
+/* Returns the area before the lens of a piece of a cell from one corner to the opposite one,
+ * and the shares of the cell's four corners in what is at the piece's middle. */
+double gp_lens_piece(const union gp_lens_corner *c, int n,
+                     const union gp_lens_corner *from,
+                     const union gp_lens_corner *to, double share[4]);
+
 /* Rows [top, ...) of an accumulator: w + 2 columns of three channels a row,
  * whose running sums are light a pixel. Draws rows from y0 up to y1. */
 struct gp_lens_cover {
@@ -156,32 +166,36 @@ enum {
     GP_LENS_SETS = 7,        // of bands
     GP_LENS_SETS_COARSE = 5, // that many lights have
     GP_LENS_PARTS = 96,      // of the spectrum, most bands of a set
+    GP_LENS_COSINES = 128,   // steps
+    GP_LENS_SAME = 12,       // most parts that meet a surface at one angle
 };
 
-/* Wavelengths in nm that the rays have: of blue, green and red. */
+/* Wavelengths in nm that the rays have: of violet, green and red. */
 extern const double gp_lens_node[GP_LENS_NODES];
 
-/* A part of the spectrum: how the nodes make its rays (Lagrange), and each
- * channel's light of a ray from the products of two nodes' roots of it, over
- * the light of the image on the axis. */
-struct gp_lens_band {
-    double of_node[GP_LENS_NODES];
-    double light[3][GP_LENS_NODES][GP_LENS_NODES];
-};
-
-/* Parts of the spectrum: how the nodes make each (Lagrange), and its light by channel, over
- * that of the image on the axis. Colours are not folded into the gamut: a sum of them is. */
+/* Parts of the spectrum, whose rays are between those of the nodes (Lagrange). Their colours
+ * are over the light of the image on the axis, and not folded into the gamut: a sum of
+ * them is. */
 struct gp_lens_spectrum {
-    double nm[GP_LENS_PARTS], at[GP_LENS_PARTS][GP_LENS_NODES];
-    double rgb[GP_LENS_PARTS][3];
-    // what each surface reflects on the axis, in parts and at nodes
-    double reflects[GP_LENS_SURFACES][GP_LENS_PARTS];
-    double at_node[GP_LENS_SURFACES][GP_LENS_NODES];
+    double nm[GP_LENS_PARTS], at[GP_LENS_NODES][GP_LENS_PARTS];
+    double rgb[3][GP_LENS_PARTS];
+    // share that a surface reflects, by the root of 1 - cosine in the thinner
+    // medium: even steps of small angles
+    float reflected[GP_LENS_SURFACES][GP_LENS_COSINES + 2][GP_LENS_PARTS];
 };
 
-/* What the nodes miss of the light of two surfaces in each part, of that of all nodes. */
+/* The light of a path: two surfaces that reflect, NULL for a straight one; that of a ray on
+ * the axis at each node, which the others let through, and in each part, over what the
+ * nodes make of it. */
 struct gp_lens_pair {
-    double missed[GP_LENS_PARTS];
+    const float (*by[2])[GP_LENS_PARTS]; // borrowed of a spectrum
+    double axis[GP_LENS_NODES], over[GP_LENS_PARTS];
+};
+
+/* Parts of the spectrum that are drawn at one place. */
+struct gp_lens_band {
+    int from, to;
+    double of_node[GP_LENS_NODES]; // of its place
 };
 
 /* A cell in the frame: the rows of the layer that its light may meet. */
@@ -195,6 +209,7 @@ struct gp_lens_item {
     struct gp_lens_mesh mesh;
     struct gp_lens_blades blades;
     double flux[3], u;
+    double light[3];                      // of all that arrives
     double along[2], aside[2], middle[2]; // pixels of the layer: of a mm along
                                           // and across the light's axis, and
                                           // of the lens's axis
@@ -215,18 +230,26 @@ void gp_lens_spectrum_make(const float *chromaticities,
                            const double image[GP_LENS_NODES],
                            struct gp_lens_spectrum *out);
 
-/* Measures the pair of surfaces of a ghost. */
+/* Measures a path; `s` needs its reflectances only. */
 void gp_lens_pair_make(const struct gp_lens_spectrum *s,
-                       const struct glarepp_ghost *g, struct gp_lens_pair *out);
+                       const struct gp_lens *lens,
+                       const struct gp_lens_path *path,
+                       struct gp_lens_pair *out);
 
-/* Makes the bands of a set; set 0 is one band. */
-void gp_lens_bands_make(const struct gp_lens_spectrum *s,
-                        const struct gp_lens_pair *pair, int set,
-                        struct gp_lens_band *band);
+/* Sums up the light of a ray in a band.
+ *   root    of its share that passes at each node
+ *   cosine  at its two reflections, in the thinner medium, at each node */
+void gp_lens_light_of(const struct gp_lens_spectrum *s,
+                      const struct gp_lens_pair *pair,
+                      const struct gp_lens_band *band,
+                      const double root[GP_LENS_NODES],
+                      const double cosine[2][GP_LENS_NODES], double out[3]);
 
-/* Sets each channel's light from the square roots of that at the nodes. */
-void gp_lens_light_of(const struct gp_lens_band *b,
-                      const double root[GP_LENS_NODES], double out[3]);
+/* Sums up the light of an item's mesh, of a light of flux 1, and scales its cells so that
+ * they have it. */
+void gp_lens_item_light(struct gp_lens_item *it,
+                        const struct gp_lens_spectrum *s,
+                        const float luminance[3]);
 
 /* Finds the step of an item with a mesh, the bands of each of its cells, and
  * the rows of those in the frame. `blur`: of its ghost; `ease` >= 1: bands

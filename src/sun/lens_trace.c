@@ -24,14 +24,11 @@ void gp_lens_optics_make(const struct gp_lens *lens, double nm,
         const struct gp_lens_surface *const s = &lens->at[i];
         out->n[i + 1] = gp_lens_index(s->n, s->v, nm);
         out->z[i + 1] = out->z[i] + s->gap;
-        for (int back = 0; back < 2; back++) {
-            float *const table = out->reflected[i][back];
-            for (int k = 0; k <= GP_LENS_TABLE; k++)
-                table[k] = (float) gp_lens_reflectance(
-                    out->n[i + back], out->n[i + 1 - back],
-                    k / (double) GP_LENS_TABLE, s->coat, nm);
-            table[GP_LENS_TABLE + 1] = table[GP_LENS_TABLE];
-        }
+        float *const table = out->reflected[i];
+        for (int k = 0; k <= GP_LENS_TABLE; k++)
+            table[k] = (float) gp_lens_reflected(
+                lens, i, k / (double) GP_LENS_TABLE, nm);
+        table[GP_LENS_TABLE + 1] = table[GP_LENS_TABLE];
     }
 }
 
@@ -43,8 +40,8 @@ enum { LANES = 8 };
 struct rays {
     double x[LANES], y[LANES], z[LANES];    // z from the surface's vertex
     double dx[LANES], dy[LANES], dz[LANES];
-    double rim2[LANES], through[LANES];
-    double cosine[LANES];                   // of incidence
+    double rim2[LANES], through[LANES], passed[LANES];
+    double cosine[LANES];                   // in the thinner medium
     double arrives[LANES];                  // 1, or 0
 };
 
@@ -84,9 +81,11 @@ INLINE void bend(double curvature, double ratio, bool mirrors, bool back,
         const double side = dot < 0.0 ? -1.0 : 1.0; // against the ray
         const double cosine = side * dot;
         const double left = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
-        const double bent = ratio * cosine - sqrt(left > 0.0 ? left : 0.0);
+        const double after = sqrt(left > 0.0 ? left : 0.0);
+        const double bent = ratio * cosine - after;
         const double along = side * (mirrors ? 2.0 * cosine : bent);
-        r->cosine[l] = cosine < 1.0 ? cosine : 1.0;
+        const double thinner = ratio < 1.0 ? cosine : after;
+        r->cosine[l] = thinner < 1.0 ? thinner : 1.0;
         r->dx[l] = keep * r->dx[l] + along * nx;
         r->dy[l] = keep * r->dy[l] + along * ny;
         r->dz[l] = keep * r->dz[l] + along * nz;
@@ -96,7 +95,8 @@ INLINE void bend(double curvature, double ratio, bool mirrors, bool back,
     }
 }
 
-/* Takes what a surface reflects of the light, or what it lets through. */
+/* Takes what a surface reflects of the light, or what it lets through: never
+ * nothing, so that a mesh sees the ghosts that one of its wavelengths lacks. */
 INLINE void dim(const float *table, bool mirrors, struct rays *r)
 {
     for (int l = 0; l < LANES; l++) {
@@ -106,7 +106,9 @@ INLINE void dim(const float *table, bool mirrors, struct rays *r)
         const int k = (int) at;
         const float share = table[k] + (at - (float) k) *
                                            (table[k + 1] - table[k]);
-        r->through[l] *= mirrors ? (double) share : 1.0 - (double) share;
+        const double left = mirrors ? 1.0 : 1.0 - (double) share;
+        r->through[l] *= mirrors ? fmax((double) share, 1e-6) : left;
+        r->passed[l] *= left;
     }
 }
 
@@ -135,11 +137,15 @@ static void make_route(const struct gp_lens_optics *o,
         const bool stop = s.surface == lens->stop;
         out->z[k] = o->z[s.surface];
         out->leg[k] = (struct leg) {
-            surface->curvature, 1.0 / (surface->semi * surface->semi),
-            out->z[k] - z, o->n[s.surface + s.back] /
-                               o->n[s.surface + 1 - s.back],
-            o->reflected[s.surface][s.back], stop,
-            !stop || lens->says.blades == 0, s.reflects, s.back != s.reflects,
+            surface->curvature,
+            1.0 / (surface->semi * surface->semi),
+            out->z[k] - z,
+            o->n[s.surface + s.back] / o->n[s.surface + 1 - s.back],
+            o->reflected[s.surface],
+            stop,
+            !stop || lens->says.blades == 0,
+            s.reflects,
+            s.back != s.reflects,
         };
         z = out->z[k];
     }
@@ -154,10 +160,10 @@ GP_CLONES static void trace(const struct route *route, struct rays *r,
                             struct gp_lens_hit hit[LANES], double (*at)[3])
 {
     const double far = 1e6; // mm
-    int passes = 0;
+    int passes = 0, turns = 0;
     for (int l = 0; l < LANES; l++) {
         r->rim2[l] = 0.0;
-        r->through[l] = r->arrives[l] = 1.0;
+        r->through[l] = r->passed[l] = r->arrives[l] = 1.0;
         hit[l] = (struct gp_lens_hit) {.through = -1.0f};
     }
     for (int k = 0; k < route->steps; k++) {
@@ -190,6 +196,9 @@ GP_CLONES static void trace(const struct route *route, struct rays *r,
         }
         bend(leg->curvature, leg->ratio, leg->mirrors, leg->back, r);
         dim(leg->reflected, leg->mirrors, r);
+        for (int l = 0; l < LANES && leg->mirrors; l++)
+            hit[l].cosine[turns] = (float) r->cosine[l];
+        turns += leg->mirrors;
     }
     for (int l = 0; l < LANES; l++) {
         const double t = (route->to_sensor - r->z[l]) / r->dz[l];
@@ -201,6 +210,7 @@ GP_CLONES static void trace(const struct route *route, struct rays *r,
         hit[l].x = x;
         hit[l].y = y;
         hit[l].through = (float) r->through[l];
+        hit[l].passed = (float) r->passed[l];
         hit[l].rim = (float) (r->rim2[l] < 1e12 ? sqrt(r->rim2[l]) : 1e6);
     }
     if (at) {
@@ -301,6 +311,30 @@ int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
     return n;
 }
 
+double gp_lens_piece(const union gp_lens_corner *c, int n,
+                     const union gp_lens_corner *from,
+                     const union gp_lens_corner *to, double share[4])
+{
+    const double wide = to->p - from->p, high = to->q - from->q;
+    double area = 0.0, s = 0.0, t = 0.0; // in cells
+    for (int i = 0; i < n; i++) {
+        const union gp_lens_corner *const a = &c[i], *const b = &c[(i + 1) % n];
+        const double sa = (a->p - from->p) / wide, sb = (b->p - from->p) / wide;
+        const double ta = (a->q - from->q) / high, tb = (b->q - from->q) / high;
+        const double part = 0.5 * (sa * tb - sb * ta);
+        area += part;
+        s += part * (sa + sb) / 3.0;
+        t += part * (ta + tb) / 3.0;
+    }
+    s = area > 0.0 ? fmin(s / area, 1.0) : 0.5;
+    t = area > 0.0 ? fmin(t / area, 1.0) : 0.5;
+    share[0] = (1.0 - s) * (1.0 - t);
+    share[1] = s * (1.0 - t);
+    share[2] = s * t;
+    share[3] = (1.0 - s) * t;
+    return fabs(area * wide * high);
+}
+
 // -- meshes -------------------------------------------------------------------
 
 /* Half of a grid's rays, of one wavelength. `near`, if not NULL, has those of
@@ -340,9 +374,8 @@ static void trace_rays(const struct gp_lens_optics *o,
 union gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
                                         double q, double sign)
 {
-    union gp_lens_corner c = {.p = p, .q = sign * q, .x = h->x, .y = h->y,
-                               .through = (double) h->through,
-                               .rim = (double) h->rim};
+    union gp_lens_corner c = {
+        .p = p, .q = sign * q, .x = h->x, .y = h->y, .rim = (double) h->rim};
     for (int k = 0; k < GP_LENS_PASSES; k++) {
         c.stop[k][0] = (double) h->stop[k][0];
         c.stop[k][1] = sign * (double) h->stop[k][1];
@@ -351,57 +384,72 @@ union gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
 }
 
 /* Light that arrives through half of a mesh of one wavelength, and the area
- * that it covers. `every`: rays between those that are used. */
+ * that it covers. `every`: rays between those that are used. `weigh`, if not
+ * NULL, gets the weights of rays. */
 struct sum {
     double light, area, lost;
 };
 static struct sum sum_of(const struct gp_lens_mesh *m,
                          const struct gp_lens_blades *blades,
-                         const struct gp_lens_hit *hit, int every)
+                         const struct gp_lens_hit *hit, int every,
+                         struct gp_lens_hit *weigh)
 {
     struct sum sum = {0};
     const int w = m->cells + 1;
     const double dx = (m->x1 - m->x0) / m->cells;
     const double dy = m->y1 / (m->cells / 2);
     // blades need not be the mirror of themselves
-    const int halves = blades->n ? 2 : 1;
+    const int halves = blades->n ? 2 : 1, both = 3 - halves;
     for (int half = 0; half < halves; half++) {
         const double sign = half ? -1.0 : 1.0;
         for (int j = 0; j + every <= m->cells / 2; j += every) {
             for (int i = 0; i + every <= m->cells; i += every) {
+                const struct gp_lens_hit *h[4];
                 union gp_lens_corner c[GP_LENS_CORNERS];
                 bool arrives = true, clear = true;
-                double passed = 0.0; // of corners within the rims
                 for (int k = 0; k < 4; k++) {
                     const int x = i + (k == 1 || k == 2 ? every : 0);
                     const int y = j + (k >= 2 ? every : 0);
-                    const struct gp_lens_hit *const h = &hit[y * w + x];
-                    arrives = arrives && h->through >= 0.0f;
-                    clear = clear && gp_lens_is_clear(blades, m->passes, h);
-                    passed += h->through >= 0.0f && h->rim < 1.0f
-                                  ? 0.25 * (double) h->through : 0.0;
-                    c[k] = gp_lens_corner_of(h, m->x0 + dx * x, dy * y, sign);
+                    h[k] = &hit[y * w + x];
+                    arrives = arrives && h[k]->through >= 0.0f;
+                    clear = clear && gp_lens_is_clear(blades, m->passes, h[k]);
+                    c[k] =
+                        gp_lens_corner_of(h[k], m->x0 + dx * x, dy * y, sign);
                 }
-                if (!arrives) {
-                    sum.lost += dx * dy * every * every * passed;
+                // a cell that is not drawn has half of the light of its rays that
+                // arrive: towards total reflection nothing passes
+                for (int k = 0; k < 4 && !arrives; k++) {
+                    const double area = 0.25 * dx * dy * every * every;
+                    if (h[k]->through < 0.0f ||
+                        !gp_lens_is_clear(blades, m->passes, h[k]))
+                        continue;
+                    sum.lost += area * (double) h[k]->through;
+                    if (weigh)
+                        weigh[h[k] - hit].weight[1] +=
+                            (float) (0.5 * both * area);
+                }
+                if (!arrives)
                     continue;
-                }
+                const union gp_lens_corner from = c[0], to = c[2];
                 const int n = clear ? 4 : gp_lens_cut(blades, m->passes, c);
-                double before = 0.0, after = 0.0, through = 0.0;
+                double after = 0.0, share[4];
+                const double area = gp_lens_piece(c, n, &from, &to, share);
                 for (int k = 0; k < n; k++) {
                     const union gp_lens_corner *const a = &c[k];
                     const union gp_lens_corner *const b = &c[(k + 1) % n];
-                    before += 0.5 * (a->p * b->q - b->p * a->q);
                     after += 0.5 * (a->x * b->y - b->x * a->y);
-                    through += a->through / n;
                 }
-                sum.light += fabs(before) * through;
                 sum.area += fabs(after);
+                for (int k = 0; k < 4; k++) {
+                    const double own = both * area * share[k];
+                    sum.light += own / both * (double) h[k]->through;
+                    for (int e = 0; e < 2 && weigh; e++)
+                        weigh[h[k] - hit].weight[e] += (float) own;
+                }
             }
         }
     }
-    if (halves == 1)
-        sum = (struct sum) {2.0 * sum.light, 2.0 * sum.area, 2.0 * sum.lost};
+    sum = (struct sum) {both * sum.light, both * sum.area, both * sum.lost};
     return sum;
 }
 
@@ -522,14 +570,14 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
     for (m.cells = FIRST / 2; !enough;) {
         m.cells *= 2;
         trace_rays(&optics[MIDDLE], path, u, &m, NULL, hit);
-        const struct sum fine = sum_of(&m, blades, hit, 1);
-        const struct sum coarse = sum_of(&m, blades, hit, 2);
+        const struct sum fine = sum_of(&m, blades, hit, 1, NULL);
+        const struct sum coarse = sum_of(&m, blades, hit, 2, NULL);
         if (!(fine.light > 0.0) && m.cells > FIRST)
             goto out;
         // cells that a lost ray cuts are the coarser, the more light they lose
-        const double change = fmax(fmax(fabs(fine.light - coarse.light),
-                                        fine.lost) / fine.light,
-                                   fabs(fine.area - coarse.area) / fine.area);
+        const double change =
+            fmax(fabs(fine.light - coarse.light), fine.lost) / fine.light;
+        const double wider = fabs(fine.area - coarse.area) / fine.area;
         // a change of the area of a disc of radius r moves its edge by half of
         // it times r, and the finer mesh is off by a third of the change: by
         // a step at most
@@ -540,7 +588,8 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
             fmin(8.0 * step, 40.0 * tolerance * sqrt(fine.area) / m.cells);
         const bool smooth = coarse_will_do || bend_of(&m, hit) <= straight;
         enough = m.cells * 2 > most ||
-                 (change <= fmax(10.0 * tolerance, seen) && smooth);
+                 (change <= 10.0 * tolerance &&
+                  wider <= fmax(10.0 * tolerance, seen) && smooth);
         m.scale = 1.0 + (fine.light - coarse.light) / (3.0 * fine.light);
         m.scale = fmin(fmax(m.scale, 0.8), 1.25);
         m.lost = fine.lost * cosine;
@@ -549,13 +598,20 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
     const size_t rays = rays_in(m.cells);
     GP_TRY(gp_alloc(log, "rays of a lens", rays * GP_LENS_NODES, sizeof *hit,
                     &m.hit));
+    struct gp_lens_hit *const middle = m.hit + MIDDLE * rays;
+    memcpy(middle, hit, rays * sizeof *hit);
+    sum_of(&m, blades, middle, 1, middle);
     for (int k = 0; k < GP_LENS_NODES; k++) {
         struct gp_lens_hit *const own = m.hit + (size_t) k * rays;
-        if (k == MIDDLE)
-            memcpy(own, hit, rays * sizeof *hit);
-        else
+        double drawn = 0.0; // through the middle's rims
+        if (k != MIDDLE)
             trace_rays(&optics[k], path, u, &m, hit, own);
-        m.flux[k] = sum_of(&m, blades, own, 1).light * cosine * m.scale;
+        for (size_t i = 0; i < rays; i++)
+            drawn +=
+                (double) (middle[i].weight[0] * fmaxf(own[i].through, 0.0f));
+        const double light = sum_of(&m, blades, own, 1, NULL).light;
+        m.root[k] = drawn > 0.0 ? sqrt(light / drawn) : 1.0;
+        m.flux[k] = light * cosine * m.scale;
     }
     *out = m;
 out:

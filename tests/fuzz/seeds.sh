@@ -101,7 +101,8 @@ printf '{"width":8,"frames":[{"frame":1,"worldToNDC_rowmajor":
 [1,0,0,0,0,1,0,0,0,0,1,1,0,0,0,0],"sun_dir_world":[0,0,1],"sun_radius_px":2},
 {"frame":2,"worldToCamera_rowmajor":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],
 "worldToNDC_blender_colvec":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0]}]}' >json/camera
-printf '{"name":"a","blades":6,"coating":500,"surfaces":[{"radius":50,
+printf '{"name":"a","blades":6,"coating":"c","coatings":[{"name":"c","nm":[4e2,7e2],
+"degrees":[0,60],"reflectance":[0.1,0.2,0,0.1]}],"surfaces":[{"radius":50,
 "thickness":4,"n":1.5,"v":60,"semi":9},{"radius":-50,"thickness":3,"semi":9},
 {"stop":true,"semi":5}]}' >json/lens
 rm -r scratch

@@ -45,10 +45,37 @@ static void reads_lenses(void **state)
     assert_true(lens.says.claims_focal == 51.0 && lens.says.claims_back == 0.0);
 }
 
+#define TABLE "{'name': 'a', 'coating': 'c', 'coatings': ["
+#define FACES "], 'surfaces': [" SINGLET "," BACK "," STOP "]}"
+
+/* A coat by a table: between its numbers, before and after them, and from both
+ * sides. */
+static void reads_tables(void **state)
+{
+    const struct gp_lens lens = lens_of(
+        TABLE
+        "{'name': 'b', 'nm': [1e3, 2e3], 'degrees': [0, 9],"
+        " 'reflectance': [1, 1, 1, 1]}, {'name': 'c', 'nm': [400, 500, 700],"
+        " 'degrees': [0, 30, 60], 'reflectance': [0.1, 0.2, 0.3, 0.2, 0.4, 0.5,"
+        " 0, 0, 0]}" FACES);
+    const double c15 = cos(acos(-1.0) / 12.0);
+    assert_true(lens.coats == 2 && lens.at[0].coat == -2.0);
+    assert_true(lens.at[1].coat == -2.0 && lens.at[2].coat == 0.0);
+    assert_near(gp_lens_reflected(&lens, 0, 1.0, 400.0), 0.1, 1e-12, "at", 0);
+    assert_near(gp_lens_reflected(&lens, 1, c15, 450.0), 0.225, 1e-9, "in", 1);
+    assert_near(gp_lens_reflected(&lens, 0, 0.5, 300.0), 0.3, 1e-9, "low", 2);
+    assert_near(gp_lens_reflected(&lens, 0, 1.0, 900.0), 0.0, 0.0, "high", 3);
+    assert_near(gp_lens_reflected(&lens, 0, cos(acos(-1.0) / 2.4), 400.0), 0.65,
+                1e-9, "half of what 60 degrees leave to 90", 4);
+}
+
 static void refuses_lenses(void **state)
 {
     static const char *const rows[] = {
-        "[]", "{}", "{'name': 'a'}", "{'name': 'a', 'surfaces': []}",
+        "[]",
+        "{}",
+        "{'name': 'a'}",
+        "{'name': 'a', 'surfaces': []}",
         "{'name': 'a', 'surfaces': [" SINGLET "," BACK "]}",
         "{'name': 'a', 'surfaces': [" STOP ", 3]}",
         "{'name': 'a', 'surfaces': [" STOP "," STOP "]}",
@@ -65,11 +92,26 @@ static void refuses_lenses(void **state)
         "{'name': 'a', 'surfaces': [{'semi': 1, 'thickness': 0}," STOP "]}",
         "{'name': 'a', 'surfaces': [{'semi': 2, 'radius': 1.9,"
         " 'thickness': 1}," STOP "]}",
-        "{'name': 'a', 'surfaces': [{'semi': 1, 'thickness': 1, 'n': 0.5},"
-        STOP "]}",
+        "{'name': 'a', 'surfaces': [{'semi': 1, 'thickness': 1, 'n': 0.5}," STOP
+        "]}",
         "{'name': 'a', 'surfaces': [{'semi': 1, 'thickness': 1, 'n': 1.5,"
         " 'v': 5}," STOP "]}",
         "{'name': 'a', 'surfaces': [{'semi': 1e9, 'thickness': 1}," STOP "]}",
+        TABLE FACES, // no such coat
+        TABLE "3" FACES,
+        TABLE "{'name': 'c', 'nm': [1e3, 2e3], 'degrees': [0, 9]}" FACES,
+        TABLE "{'nm': [1e3, 2e3], 'degrees': [0, 9], 'reflectance': [0, 0, 0,"
+              " 0]}" FACES,
+        TABLE "{'name': 'c', 'nm': [1e3, 2e3], 'degrees': [0, 9],"
+              " 'reflectance': [0, 0, 0]}" FACES,
+        TABLE "{'name': 'c', 'nm': [1e3, 2e3], 'degrees': [0, 9],"
+              " 'reflectance': [0, 0, 0, 1.1]}" FACES,
+        TABLE "{'name': 'c', 'nm': [2e3, 1e3], 'degrees': [0, 9],"
+              " 'reflectance': [0, 0, 0, 0]}" FACES,
+        TABLE "{'name': 'c', 'nm': [1e3], 'degrees': [0, 9],"
+              " 'reflectance': [0, 0]}" FACES,
+        TABLE "{'name': 'c', 'nm': [1e3, 2e3], 'degrees': [0, 90],"
+              " 'reflectance': [0, 0, 0, 0]}" FACES,
     };
     char many[8192] = "{'name': 'a', 'surfaces': [";
     for (size_t i = 0; i <= COUNT(rows); i++) {
@@ -309,25 +351,25 @@ static void energy_is_kept(void **state)
 
 static void coats_reflect_less(void **state)
 {
-    assert_near(gp_lens_reflectance(1.0, 1.5, 1.0, 0.0, 550.0), 0.04, 1e-12,
-                "bare", 0);
+    struct gp_lens lens =
+        lens_of("{'name': 'a', 'surfaces': [{'radius': 50,"
+                " 'thickness': 4, 'n': 1.5, 'semi': 9}," BACK "," STOP "]}");
+    assert_near(gp_lens_reflected(&lens, 0, 1.0, 550.0), 0.04, 1e-12, "bare",
+                0);
+    assert_near(gp_lens_reflected(&lens, 1, 0.0, 550.0), 1.0, 0.0, "grazing",
+                0);
     // r = ((n1 n2 - n^2) / (n1 n2 + n^2))^2 of a quarter wave
     const double q = (1.5 - 1.38 * 1.38) / (1.5 + 1.38 * 1.38);
-    assert_near(gp_lens_reflectance(1.0, 1.5, 1.0, 550.0, 550.0), q * q, 1e-12,
-                "coated", 0);
-    // from the other side, at the angle that it bends to
-    const double inside = sqrt(1.0 - 0.64 / 2.25);
-    assert_near(gp_lens_reflectance(1.5, 1.0, inside, 500.0, 600.0),
-                gp_lens_reflectance(1.0, 1.5, 0.6, 500.0, 600.0), 1e-12,
-                "both ways", 0);
-    assert_near(gp_lens_reflectance(1.5, 1.0, 0.1, 0.0, 550.0), 1.0, 0.0,
-                "total", 0);
+    lens.at[0].coat = 550.0;
+    assert_near(gp_lens_reflected(&lens, 0, 1.0, 550.0), q * q, 1e-12, "coated",
+                0);
     // n meets V between the lines F and C
     assert_near(0.5 / (gp_lens_index(1.5, 60.0, 486.1327) -
                        gp_lens_index(1.5, 60.0, 656.2725)), 60.0, 1e-9, "V", 0);
 }
 
 SUITE_OF(lens, make_folder, remove_folder, reads_lenses, refuses_lenses,
-         meets_claims, middles_agree, images_land, plate_in_closed_form,
-         rays_that_are_not_turned_back_make_no_ghost, thin_lens_in_closed_form,
-         blades_in_closed_form, energy_is_kept, coats_reflect_less)
+         reads_tables, meets_claims, middles_agree, images_land,
+         plate_in_closed_form, rays_that_are_not_turned_back_make_no_ghost,
+         thin_lens_in_closed_form, blades_in_closed_form, energy_is_kept,
+         coats_reflect_less)

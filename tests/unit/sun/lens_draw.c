@@ -256,7 +256,7 @@ static void colours_follow_the_spectrum(void **state)
         struct gp_planes p = layer_of(&lens, W, H, 84.0, 0.0, &light, 1,
                                       &stats);
         for (int c = 0; c < 3; c++)
-            assert_near(stats.light[c] / want[c], 1.0, 0.03, names[l], c);
+            assert_near(stats.light[c] / want[c], 1.0, 0.015, names[l], c);
         gp_planes_free(&p);
     }
 }
