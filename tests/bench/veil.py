@@ -133,6 +133,35 @@ def rooms(glarepp):
     return worst
 
 
+def curve(glarepp):
+    """Worst relative error of the glare of a point by `cie` against CIE 135/1 (1999), the
+    total glare function, at 1 to 30 degrees."""
+    mid, light, worst = SIZE // 2, 1e9, 0
+    write("point.pfm", lambda x, y: light if x == mid and y == mid else 0)
+    for fov, angles in ((6, (1,)), (30, (5, 10)), (75, (20, 30))):
+        k = math.tan(math.radians(fov / 2)) / (SIZE / 2)
+        for age, p in ((20, 0.5), (35, 0.5), (70, 0.5), (85, 1.2)):
+            subprocess.run([glarepp, "-q", "-t", "0", "--threshold-mode", "whole", "-k",
+                            "cie:age=%g,pigment=%g" % (age, p), "--fov", str(fov),
+                            "--layer", "l.pfm", "point.pfm"], check=True)
+            with open("l.pfm", "rb") as f:
+                for _ in range(3):
+                    f.readline()
+                layer = array.array("f", f.read())
+            for t in angles:
+                x = round(math.tan(math.radians(t)) / k)
+                t = math.degrees(math.atan(x * k))
+                a = (age / 70) ** 4
+                s, u = 1 + (t / 0.1) ** 2, 0.0046
+                truth = (1 - 0.08 * a) * (9.2e6 / (1 + (t / u) ** 2) ** 1.5 +
+                                          1.5e5 / (1 + (t / 0.045) ** 2) ** 1.5) + \
+                    (1 + 1.6 * a) * (400 / s + 3e-8 * t * t +
+                                     p * (1300 / s ** 1.5 + 0.8 / s ** 0.5)) + 2.5e-3 * p
+                found = layer[3 * ((SIZE - 1 - mid) * SIZE + mid + x)] / light / (k * k)
+                worst = max(worst, abs(found / truth - 1))
+    return worst
+
+
 def bars(glarepp):
     """Rows: text, measured, bar."""
     back = os.getcwd()
@@ -140,9 +169,11 @@ def bars(glarepp):
         os.chdir(folder)
         try:
             p, ti, r = points(glarepp), increment(glarepp), rooms(glarepp)
+            cie = curve(glarepp)
         finally:
             os.chdir(back)
     return [
+        ("2.2 glare of `cie` over CIE 135/1, 1 to 30 degrees, ages 20 to 85", cie, 0.01),
         ("2.4 L_v of point lights, 1 to 30 degrees, ages 20 to 80: relative error", p["veil"], 0.01),
         ("2.4 illuminance at the eye of these", p["lux"], 0.01),
         ("2.4 TI on a road of 0.3 to 30 cd/m2: relative error", ti, 0.01),

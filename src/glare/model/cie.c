@@ -94,8 +94,9 @@ static const struct gp_model_key cie_keys[] = {
     {0},
 };
 
-/* *light: its integral. */
-static struct cie cie_of(const struct gp_recipe *r, double *light)
+/* *light: its integral; over all of the sphere, as true angles have it, or before
+ * the eye. */
+static struct cie cie_of(const struct gp_recipe *r, bool sphere, double *light)
 {
     static const double MOST = 0.9; // of a peak's light
     struct cie e = {
@@ -106,6 +107,9 @@ static struct cie cie_of(const struct gp_recipe *r, double *light)
     double sum[3], peak[3];
     gp_profile_integral(cie_profile, &e, 1, 0.0, 90.0, sum);
     gp_profile_integral(peak_profile, &e, 2, 0.0, 90.0, peak);
+    for (double t = 90.5; sphere && t < 180.0; t += 1.0)
+        sum[0] += cie_sky(&e, fmin(t, 100.0)) * 2.0 * M_PI *
+                  gp_sin(t * M_PI / 180.0) * (M_PI / 180.0);
     for (int i = 0; i < 2 && !e.general; i++) {
         e.less[i] = fmin((sum[0] - 1.0) / peak[i], MOST);
         sum[0] -= e.less[i] * peak[i];
@@ -124,7 +128,7 @@ static bool cie_angular(const struct gp_recipe *r, const struct gp_field *f,
                         struct gp_angular *out)
 {
     double sum;
-    const struct cie e = cie_of(r, &sum);
+    const struct cie e = cie_of(r, true, &sum);
     (void) f;
     *out = (struct gp_angular) {
         .light = cie_light,
@@ -139,7 +143,7 @@ static gp_status open_cie(const struct gp_log *log, const struct gp_recipe *r,
                           const struct gp_field *f, struct gp_shape *out)
 {
     double sum;
-    const struct cie e = cie_of(r, &sum);
+    const struct cie e = cie_of(r, false, &sum);
     gp_status st = gp_sky_shape(log, cie_profile, &e, 1, 0.2, f, out);
     if (st)
         return st;
