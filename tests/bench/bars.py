@@ -12,7 +12,7 @@ import importlib
 import os
 import sys
 
-PARTS = ["lens", "veil"]
+PARTS = ["shares", "lens", "veil"]
 
 failed = False
 glarepp = os.path.abspath(sys.argv[1])
