@@ -1,9 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Usage: gallery.sh GLAREPP
+# Usage: gallery.sh GLAREPP [NIGHT]
 # Makes man/gallery.md and man/pictures/ from the frames in examples/: every style,
 # kernel, flare and lens on one frame, and the pictures of README and manual.
-# `make gallery` calls it. Needs ImageMagick, to make them small.
+# `make gallery` calls it. Needs ImageMagick, to make them small. NIGHT is a frame for the
+# second plot of speed.md, which is left as it is without.
 set -eu
 glarepp=$1
 cd "$(dirname "$0")/.."
@@ -11,7 +12,7 @@ to=man/pictures page=man/gallery.md
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
 mkdir -p $to
-rm -f $to/*
+rm -f $to/*.jpg
 
 # shot NAME WIDTH ARGUMENT...: a picture WIDTH pixels wide
 shot()
@@ -30,6 +31,11 @@ sheet()
     (cd $to && montage "$@" -tile "$tiles" -geometry "${width}x+3+3" \
         -quality 84 -strip "$name.jpg")
 }
+
+# -- plots of bench, in minutes --------------------------------------------------
+
+"$glarepp" bench -q --runs 5 --paper --plot $to/bench.svg
+[ -z "${2-}" ] || "$glarepp" bench -q --runs 5 --plot $to/bench-night.svg "$2"
 
 # -- README and the chapters ----------------------------------------------------
 

@@ -205,8 +205,10 @@ static void choose(double nm)
         index_of[i + 1] = n2;
         for (int k = 0; k < STEPS + 2; k++) {
             const double cosine = fmin(1, k / (double) STEPS);
-            mirror[i][0][k] = n1 == n2 ? 0 : reflected(i, n1, n2, cosine);
-            mirror[i][1][k] = n1 == n2 ? 0 : reflected(i, n2, n1, cosine);
+            mirror[i][0][k] =
+                n1 == n2 ? 0 : (float) reflected(i, n1, n2, cosine);
+            mirror[i][1][k] =
+                n1 == n2 ? 0 : (float) reflected(i, n2, n1, cosine);
         }
     }
 }
