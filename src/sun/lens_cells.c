@@ -101,7 +101,7 @@ static inline void add_parts(const struct gp_lens_spectrum *s,
                              const double root[GP_LENS_NODES],
                              const double cosine[2], double sum[3])
 {
-    double light[GP_LENS_SAME];
+    double light[GP_LENS_SAME] = {0};
     const float *row[2][2];
     float t[2];
     for (int k = 0; k < 2; k++) {
