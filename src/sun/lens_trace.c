@@ -600,7 +600,7 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
                     &m.hit));
     struct gp_lens_hit *const middle = m.hit + MIDDLE * rays;
     memcpy(middle, hit, rays * sizeof *hit);
-    sum_of(&m, blades, middle, 1, middle);
+    const double own_light = sum_of(&m, blades, middle, 1, middle).light;
     for (int k = 0; k < GP_LENS_NODES; k++) {
         struct gp_lens_hit *const own = m.hit + (size_t) k * rays;
         double drawn = 0.0; // through the middle's rims
@@ -609,7 +609,8 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
         for (size_t i = 0; i < rays; i++)
             drawn +=
                 (double) (middle[i].weight[0] * fmaxf(own[i].through, 0.0f));
-        const double light = sum_of(&m, blades, own, 1, NULL).light;
+        const double light =
+            k == MIDDLE ? own_light : sum_of(&m, blades, own, 1, NULL).light;
         m.root[k] = drawn > 0.0 ? sqrt(light / drawn) : 1.0;
         m.flux[k] = light * cosine * m.scale;
     }

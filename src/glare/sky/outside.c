@@ -277,20 +277,13 @@ static int first_of(int i, int n)
     return gp_max(gp_min(i - 1, n - 4), 0);
 }
 
-/* The share at the places of four columns from i on, in row y. */
-static void find_columns(const struct gp_sky *s, int first, int y, int i,
-                         double v[4])
+/* Weights of n places in what is between them at y. */
+static void weigh_places(const int *at, int n, int y, double by[4])
 {
-    const int n = gp_min(s->outer[1] - first, 4);
-    const int columns = gp_min(s->outer[0] - i, 4);
-    const int *const at = s->outer_at[1] + first;
-    memset(v, 0, 4 * sizeof *v);
     for (int j = 0; j < n; j++) { // Lagrange
-        double by = 1.0;
+        by[j] = 1.0;
         for (int k = 0; k < n; k++)
-            by *= k == j ? 1.0 : (double) (y - at[k]) / (at[j] - at[k]);
-        for (int k = 0; k < columns; k++)
-            v[k] += by * (double) s->outside[(first + j) * s->outer[0] + i + k];
+            by[j] *= k == j ? 1.0 : (double) (y - at[k]) / (at[j] - at[k]);
     }
 }
 
@@ -319,14 +312,22 @@ void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)
     }
     while (j + 1 < s->outer[1] && s->outer_at[1][j + 1] <= y)
         j++;
+    const int columns = gp_min(s->outer[0], 4), rows = gp_min(s->outer[1], 4);
+    const int upper = first_of(j, s->outer[1]);
+    double by[4];
+    weigh_places(s->outer_at[1] + upper, rows, y, by);
     for (int i = 0; i < s->outer[0]; i++) {
         const int first = first_of(i, s->outer[0]), from = end;
-        double v[4];
-        find_columns(s, first_of(j, s->outer[1]), y, first, v);
-        for (int k = 1; k < gp_min(s->outer[0], 4); k++) // Newton's differences
-            for (int m = gp_min(s->outer[0], 4) - 1; m >= k; m--)
+        const float *const share = s->outside + upper * s->outer[0] + first;
+        double v[4] = {0};
+        for (int m = 0; m < rows * columns; m++)
+            v[m % columns] +=
+                by[m / columns] *
+                (double) share[m / columns * s->outer[0] + m % columns];
+        for (int k = 1; k < columns; k++) // Newton's differences
+            for (int m = columns - 1; m >= k; m--)
                 v[m] = (v[m] - v[m - 1]) / (at[first + m] - at[first + m - k]);
         end = i + 1 < s->outer[0] ? at[i + 1] : s->p.w;
-        cubic_row(v, at + first, gp_min(s->outer[0], 4), from, end, row);
+        cubic_row(v, at + first, columns, from, end, row);
     }
 }
