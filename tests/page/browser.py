@@ -41,6 +41,7 @@ class Browser:
         os.close(back)
         self.number, self.buffer, self.session = 0, b"", None
         self.messages = []  # of the console, and uncaught errors
+        self.loads = 0  # documents that have been loaded
 
     def close(self):
         try:
@@ -65,7 +66,9 @@ class Browser:
     def hear(self, event):
         """Keeps what a page says: each message fails the tests."""
         p = event.get("params", {})
-        if event.get("method") == "Runtime.consoleAPICalled":
+        if event.get("method") == "Page.loadEventFired":
+            self.loads += 1
+        elif event.get("method") == "Runtime.consoleAPICalled":
             self.messages.append(" ".join(str(a.get("value", a.get("description")))
                                           for a in p["args"]))
         elif event.get("method") == "Runtime.exceptionThrown":
@@ -136,6 +139,15 @@ class Browser:
             if time.monotonic() > until:
                 raise RuntimeError(f"waited {seconds} s for {condition}: {self.messages}")
             time.sleep(0.02)
+
+    def follow(self, selector, end):
+        """Clicks a link and waits until the page whose address ends so shows something.
+        (A page that is just going answers nothing: it is asked when the next has come.)"""
+        before, until = self.loads, time.monotonic() + 20
+        self.run(f"void setTimeout(() => document.querySelector({json.dumps(selector)}).click())")
+        while self.loads == before:
+            self.hear(self.read(until))
+        self.wait(f"location.href.endsWith({json.dumps(end)}) && document.body.dataset.ready")
 
     def settle(self):
         """Waits until what was asked for is drawn."""
