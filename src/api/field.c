@@ -186,22 +186,32 @@ void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field)
 double gp_api_left_out(const struct glarepp_frame *f, const struct gp_kernel *k)
 {
     const struct gp_sources *const src = gp_api_bright(f);
-    const float *const y = f->image.luminance;
+    const float *const weight = f->image.luminance;
     // in the middle of the frame, and of what surrounds it by its mirror image
     const double x0 = 0.5 * (f->kernel->field.seen_w - src->w);
     const double y0 = 0.5 * (f->kernel->field.seen_h - src->h);
-    double sum = 0.0, all = 0.0;
-    // some thousands of them, evenly
-    const uint32_t each = (uint32_t) (src->n / 4096 + 1);
+    double all = 0.0, sum = 0.0, group = 0.0, pick = 0.5;
+    double x = 0.0, y = 0.0;
+    for (int c = 0; c < 3; c++)
+        all += (double) weight[c] * src->flux[c];
+    // of neighbours that are a thousandth together, by the place of one of them: where
+    // a part of their light is before it, parts that are spread evenly
+    const double part = 1e-3 * all;
     for (int row = 0; row < src->h; row++) {
         for (uint32_t i = src->row[row]; i < src->row[row + 1]; i++) {
-            if (i % each)
+            const double light = (double) (weight[0] * src->rgb[0][i] +
+                                           weight[1] * src->rgb[1][i] +
+                                           weight[2] * src->rgb[2][i]);
+            if (group <= pick * part || light > 0.5 * part) {
+                x = x0 + src->x[i];
+                y = y0 + row;
+            }
+            group += light;
+            if (group < part && i + 1 < src->n)
                 continue;
-            const double light =
-                (double) (y[0] * src->rgb[0][i] + y[1] * src->rgb[1][i] +
-                          y[2] * src->rgb[2][i]);
-            sum += light * gp_sky_outside(k->sky, x0 + src->x[i], y0 + row);
-            all += light;
+            sum += group * gp_sky_outside(k->sky, x, y);
+            group = 0.0;
+            pick = fmod(pick + 0.618034, 1.0); // the golden ratio
         }
     }
     return all > 0.0 ? sum / all : k->left_out;

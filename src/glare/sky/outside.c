@@ -316,14 +316,18 @@ void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)
     const int upper = first_of(j, s->outer[1]);
     double by[4];
     weigh_places(s->outer_at[1] + upper, rows, y, by);
-    for (int i = 0; i < s->outer[0]; i++) {
+    double column[4]; // what is around, of place i at i % 4
+    for (int i = 0, known = 0; i < s->outer[0]; i++) {
         const int first = first_of(i, s->outer[0]), from = end;
-        const float *const share = s->outside + upper * s->outer[0] + first;
-        double v[4] = {0};
-        for (int m = 0; m < rows * columns; m++)
-            v[m % columns] +=
-                by[m / columns] *
-                (double) share[m / columns * s->outer[0] + m % columns];
+        double v[4];
+        for (; known < first + columns; known++) {
+            const float *const share = s->outside + upper * s->outer[0] + known;
+            column[known % 4] = 0.0;
+            for (int m = 0; m < rows; m++)
+                column[known % 4] += by[m] * (double) share[m * s->outer[0]];
+        }
+        for (int m = 0; m < columns; m++)
+            v[m] = column[(first + m) % 4];
         for (int k = 1; k < columns; k++) // Newton's differences
             for (int m = columns - 1; m >= k; m--)
                 v[m] = (v[m] - v[m - 1]) / (at[first + m] - at[first + m - k]);
