@@ -344,7 +344,10 @@ struct gp_outside {
     unsigned long serial;              // of the kernel
     const struct gp_far_state *state;  // what `far` is of
     double *box;   // pitch of the kernel for each thread
-    float *weight; // two rows for each thread: w; the far field in the picture
+    float
+        *weight; // three rows for each thread: w; the far field in the picture;
+                 // what leaves it of the sky's
+    int *row;    // of each thread, whose the last is; -1: none's
 };
 
 /* Fills weight[x] with w in row y, but for the far field's. */
@@ -394,8 +397,8 @@ GP_CLONES void gp_beyond_add_row(void *ctx, int i, int thread)
     const struct gp_kernel *const k = o->sums.k;
     const int c = i / b->h, y = i % b->h, from = c % o->sums.channels;
     const size_t w = (size_t) b->w;
-    float *const weight = o->weight + (size_t) thread * 2 * w;
-    float *const inside = weight + w;
+    float *const weight = o->weight + (size_t) thread * 3 * w;
+    float *const inside = weight + w, *const outside = inside + w;
     const double *const low = box_row(
         &o->sums, from, kernel_from((long long) y - b->h + 1, k->cy, k->h));
     const double *const high =
@@ -404,9 +407,11 @@ GP_CLONES void gp_beyond_add_row(void *ctx, int i, int thread)
     find_weights(k, low, high, rest_of(k) + (all - (high[k->w] - low[k->w])),
                  b->w, o->box + (size_t) thread * o->sums.pitch, weight);
     if (k->sky) {
-        gp_sky_outside_row(k->sky, y, inside);
+        if (o->row[thread] != y)
+            gp_sky_outside_row(k->sky, y, outside);
+        o->row[thread] = y;
         for (size_t x = 0; x < w; x++)
-            weight[x] += inside[x];
+            weight[x] += outside[x];
     }
     if (o->far) {
         const float far = (float) k->far->sum[from];
@@ -427,6 +432,7 @@ void gp_outside_free(struct gp_outside **outside)
         gp_free(o->sums.at);
         gp_free(o->box);
         gp_free(o->weight);
+        gp_free(o->row);
     }
     GP_FREE(*outside);
 }
@@ -453,8 +459,10 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
     GP_TRY(sum_boxes(log, k, &o->sums));
     GP_TRY(gp_alloc(log, "edges", threads * o->sums.pitch, sizeof *o->box,
                     &o->box));
-    GP_TRY(gp_alloc(log, "edges", threads * 2 * wide, sizeof *o->weight,
+    GP_TRY(gp_alloc(log, "edges", threads * 3 * wide, sizeof *o->weight,
                     &o->weight));
+    GP_TRY(gp_alloc(log, "edges", threads, sizeof *o->row, &o->row));
+    memset(o->row, -1, threads * sizeof *o->row);
     if (k->far)
         GP_TRY(gp_far_flat(log, k->far, far, w, h, &o->far));
     *outside = o;
