@@ -31,6 +31,12 @@ struct adding {
 
 // -- rows, in and out ---------------------------------------------------------
 
+/* The column of the sphere that one of the frame is. */
+static int column_of(const struct gp_sky_sphere *o, int x)
+{
+    return x + o->x0 < o->w ? x + o->x0 : x + o->x0 - o->w;
+}
+
 static void load_row(const void *ctx, int c, int y, float *z)
 {
     const struct adding *const a = ctx;
@@ -41,7 +47,7 @@ static void load_row(const void *ctx, int c, int y, float *z)
     const float solid =
         (float) gp_projection_solid(&a->s->p.projection, 0.0, y);
     for (uint32_t i = src->row[row]; i < src->row[row + 1]; i++)
-        z[(src->x[i] + a->o->x0) % a->o->w] = solid * src->rgb[c][i];
+        z[column_of(a->o, src->x[i])] = solid * src->rgb[c][i];
 }
 
 static void store_row(const void *ctx, int c, int y, int thread, const float *z)
@@ -84,8 +90,8 @@ static inline __attribute__((always_inline)) lines all(float v)
 
 /* Moments of level 1, its nodes from -1 on, of rows; and folded: a node beyond a pole is
  * one half a turn away. */
-static void gather_rows(const struct gp_sky_sphere *o, const struct point *rows,
-                        struct point *e)
+GP_CLONES static void gather_rows(const struct gp_sky_sphere *o,
+                                  const struct point *rows, struct point *e)
 {
     const int n = o->level[1].n;
     memset(e - 1, 0, ((size_t) n + 3) * sizeof *e);
@@ -107,7 +113,7 @@ node_at(const struct point *e, int n, int i)
 }
 
 /* Moments of half as many nodes: 1, 4, 6, 4, 1 of 8. */
-static void halve(const struct point *from, int n, struct point *to)
+GP_CLONES static void halve(const struct point *from, int n, struct point *to)
 {
     static const float B[5] = {0.125f, 0.5f, 0.75f, 0.5f, 0.125f};
     for (int i = 0; 2 * i <= n; i++) {
@@ -118,28 +124,42 @@ static void halve(const struct point *from, int n, struct point *to)
 }
 
 /* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of nodes: Unser et al.
- * 1993, part II, eq. 2.5. */
-static void divide(struct point *e, int n)
+ * 1993, part II, eq. 2.5. Of three planes, `apart` points apart: each waits for the node
+ * before, and meanwhile the others do not. */
+GP_CLONES static void divide(struct point *e, int n, size_t apart)
 {
     enum { TERMS = 16 };
     static const float Z = -0.26794919243112270647f; // sqrt 3 - 2
-    struct point first = e[0];
-    float z = Z;
-    for (int k = 1; k <= TERMS; k++, z *= Z)
-        add_to(&first, node_at(e, n, k <= n ? -k : -n), all(k <= n ? z : 0.0f));
-    e[0] = first;
-    for (int i = 1; i <= n; i++)
-        add_to(&e[i], e[i - 1], all(Z));
     // the mirror image of an even line; an odd one ends in 0
     const lines end = (all(1.0f) + TURN) * all(0.5f * Z / (Z * Z - 1.0f));
-    const struct point before = e[n - 1];
-    add_to(&e[n], before, all(Z));
-    e[n] = (struct point) {e[n].re * end, e[n].im * end};
-    for (int i = n - 1; i >= 0; i--)
-        e[i] = (struct point) {all(Z) * (e[i + 1].re - e[i].re),
-                               all(Z) * (e[i + 1].im - e[i].im)};
-    for (int i = 0; i <= n; i++)
-        e[i] = (struct point) {all(6.0f) * e[i].re, all(6.0f) * e[i].im};
+    for (size_t c = 0; c < 3; c++) {
+        struct point first = e[c * apart];
+        float z = Z;
+        for (int k = 1; k <= TERMS; k++, z *= Z)
+            add_to(&first, node_at(e + c * apart, n, k <= n ? -k : -n),
+                   all(k <= n ? z : 0.0f));
+        e[c * apart] = first;
+    }
+    for (struct point *p = e + 1; p <= e + n; p++)
+        for (size_t c = 0; c < 3; c++)
+            add_to(&p[c * apart], p[c * apart - 1], all(Z));
+    for (size_t c = 0; c < 3; c++) {
+        struct point *const last = e + c * apart + n;
+        add_to(last, last[-1], all(Z));
+        *last = (struct point) {last->re * end, last->im * end};
+    }
+    for (struct point *p = e + n - 1; p >= e; p--)
+        for (size_t c = 0; c < 3; c++) {
+            struct point *const at = p + c * apart;
+            *at = (struct point) {all(Z) * (at[1].re - at->re),
+                                  all(Z) * (at[1].im - at->im)};
+            at[1].re *= all(6.0f);
+            at[1].im *= all(6.0f);
+        }
+    for (size_t c = 0; c < 3; c++) {
+        e[c * apart].re *= all(6.0f);
+        e[c * apart].im *= all(6.0f);
+    }
 }
 
 /* Both of a pair of circles light each other. */
@@ -171,7 +191,7 @@ GP_CLONES static void spread(const struct gp_sky_circles *g, int block,
 }
 
 /* Adds the nodes of the next level. */
-static void between(const struct point *from, int n, struct point *to)
+GP_CLONES static void between(const struct point *from, int n, struct point *to)
 {
     for (int i = 0; i <= n; i++) {
         add_to(&to[2 * i], from[i], all(0.75f));
@@ -186,8 +206,8 @@ static void between(const struct point *from, int n, struct point *to)
 
 /* The first term of rows around the poles: of `rows` to `out`, which has those of the
  * north and then of the south from the pole on. */
-static void spread_poles(const struct gp_sky_sphere *o, int block,
-                         const struct point *rows, struct point *out)
+GP_CLONES static void spread_poles(const struct gp_sky_sphere *o, int block,
+                                   const struct point *rows, struct point *out)
 {
     const struct gp_sky_circles *const g = &o->level[0];
     const lines *k =
@@ -203,6 +223,26 @@ static void spread_poles(const struct gp_sky_sphere *o, int block,
             add_to(&out[j], rows[i], k[r]);
             add_to(&out[g->n + j], rows[last - i], k[r]);
         }
+    }
+}
+
+/* Rows of level 1's nodes, and of the poles'. */
+GP_CLONES static void give_rows(const struct gp_sky_sphere *o,
+                                struct point *nodes, const struct point *pole,
+                                struct point *rows)
+{
+    const int n = o->level[1].n, near = o->level[0].n;
+    nodes[-1] = turned(nodes[1]);
+    nodes[n + 1] = turned(nodes[n - 1]);
+    for (int y = 0; y < o->h; y++) {
+        struct point sum = {{0}, {0}};
+        for (int k = 0; k < GP_SKY_TAPS; k++)
+            add_to(&sum, nodes[o->rows[y].first + k], all(o->rows[y].at[k]));
+        rows[y] = sum;
+    }
+    for (int y = 0; y < near; y++) {
+        add_to(&rows[y], pole[y], all(1.0f));
+        add_to(&rows[o->h - 1 - y], pole[near + y], all(1.0f));
     }
 }
 
@@ -223,42 +263,30 @@ static void spread_block(void *ctx, int b, int thread)
                     of + a->at[1]);
         for (int l = 1; l < top; l++)
             halve(of + a->at[l], o->level[l].n, of + a->at[l + 1]);
-        for (int l = 1; l <= top; l++) {
-            struct point *const nodes = of + a->at[l];
-            const int n = o->level[l].n;
-            divide(nodes, n);
-            // both halves of a turn have what is on a pole
+    }
+    for (int l = 1; l <= top; l++) {
+        const int n = o->level[l].n;
+        divide(e + a->at[l], n, a->nodes);
+        // both halves of a turn have what is on a pole
+        for (size_t c = 0; c < 3; c++) {
+            struct point *const nodes = e + c * a->nodes + a->at[l];
             for (int k = 0; k <= n; k += n)
                 nodes[k] = (struct point) {all(0.5f) * nodes[k].re,
                                            all(0.5f) * nodes[k].im};
         }
     }
-    for (int l = top; l >= 1; l--)
+    for (int l = top; l >= 1; l--) {
         spread(&o->level[l], b, e + a->at[l], v + a->at[l], a->nodes);
+        divide(v + a->at[l], o->level[l].n, a->nodes);
+    }
     for (size_t c = 0; c < 3; c++) {
         struct point *const rows =
             (struct point *) a->m->z[c] + (size_t) b * a->m->pitch;
         struct point *const of = v + c * a->nodes;
-        for (int l = top; l >= 1; l--) {
-            divide(of + a->at[l], o->level[l].n);
-            if (l < top)
-                between(of + a->at[l + 1], o->level[l + 1].n, of + a->at[l]);
-        }
+        for (int l = top - 1; l >= 1; l--)
+            between(of + a->at[l + 1], o->level[l + 1].n, of + a->at[l]);
         spread_poles(o, b, rows, pole);
-        struct point *const nodes = of + a->at[1];
-        const int n = o->level[1].n, near = o->level[0].n;
-        nodes[-1] = turned(nodes[1]);
-        nodes[n + 1] = turned(nodes[n - 1]);
-        for (int y = 0; y < o->h; y++) {
-            rows[y] = (struct point) {{0}, {0}};
-            for (int k = 0; k < GP_SKY_TAPS && top; k++)
-                add_to(&rows[y], nodes[o->rows[y].first + k],
-                       all(o->rows[y].at[k]));
-        }
-        for (int y = 0; y < near; y++) {
-            add_to(&rows[y], pole[y], all(1.0f));
-            add_to(&rows[o->h - 1 - y], pole[near + y], all(1.0f));
-        }
+        give_rows(o, of + a->at[1], pole, rows);
     }
 }
 
@@ -283,15 +311,44 @@ GP_CLONES_WIDE static void sum_dense(const float *restrict light,
 }
 
 /* Lines of a row with room beyond both ends. */
-static size_t line_room(const struct gp_sky_sphere *o, int margin)
+static size_t line_room(const struct gp_sky_sphere *o)
 {
-    return (size_t) o->w + 2 * (size_t) margin + 128;
+    return (size_t) o->w + 2 * (size_t) o->margin + 128;
 }
 
-/* Adds what row `from` of sources spreads to the three lines of row y of the sphere,
- * from `margin` before its first column on. */
-static void add_arc(const struct adding *a, int y, int from, int margin,
-                    float *light, float *line)
+/* Lines of a thread: of rows that reach a band, and of one of its rows. */
+static size_t band_room(const struct gp_sky_sphere *o)
+{
+    return (size_t) (BAND + 2 * o->near + 1) * 3 * line_room(o);
+}
+
+/* Tests whether so many sources of a row are faster summed with all its pixels. */
+static bool is_dense(const struct adding *a, int y)
+{
+    const struct gp_sources *const src = a->d->src;
+    return (src->row[y + 1] - src->row[y]) * 8 > (uint32_t) a->o->w;
+}
+
+/* Lays out a row of sources, from `margin` before the first column on. */
+static void lay_out(const struct adding *a, int y, float *lines_of)
+{
+    const struct gp_sky_sphere *const o = a->o;
+    const struct gp_sources *const src = a->d->src;
+    const size_t margin = (size_t) o->margin, w = (size_t) o->w;
+    for (size_t c = 0; c < 3; c++) {
+        float *const line = lines_of + c * line_room(o);
+        memset(line, 0, line_room(o) * sizeof *line);
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+            line[margin + (size_t) column_of(o, src->x[i])] = src->rgb[c][i];
+        memcpy(line, line + w, margin * sizeof *line); // all around
+        memcpy(line + margin + w, line + margin, margin * sizeof *line);
+    }
+}
+
+/* Adds what row `from` of sources, laid out where they are dense, spreads to the three
+ * lines of row y of the sphere. */
+static void add_arc(const struct adding *a, int y, int from, const float *light,
+                    float *line)
 {
     const struct gp_sky_sphere *const o = a->o;
     const struct gp_sources *const src = a->d->src;
@@ -299,77 +356,72 @@ static void add_arc(const struct adding *a, int y, int from, int margin,
     const int row = south ? o->h - 1 - y : y, down = from + o->y0 - y;
     const struct gp_sky_arc *const arc =
         &o->arc[row * (2 * o->near + 1) + (south ? -down : down) + o->near];
-    const uint32_t first = src->row[from], end = src->row[from + 1];
-    const size_t room = line_room(o, margin);
     const float *const weight = o->weight + arc->at;
     const int reach = arc->reach;
-    if (reach < 0 || first == end)
-        return;
-    for (size_t c = 0; c < 3; c++) {
-        float *const to = line + c * room + margin;
-        const bool dense = (end - first) * 8 > (uint32_t) o->w;
-        if (dense)
-            memset(light, 0, room * sizeof *light);
-        for (uint32_t i = first; i < end; i++) {
-            const int x = (src->x[i] + o->x0) % o->w;
-            if (dense)
-                light[margin + x] = src->rgb[c][i];
-            else
-                gp_sky_add_scaled(to + x - reach, weight - reach,
-                                  src->rgb[c][i], 2 * reach + 1);
+    for (size_t c = 0; c < 3 && reach >= 0; c++) {
+        const size_t at = c * line_room(o) + (size_t) o->margin;
+        if (is_dense(a, from)) {
+            sum_dense(light + at, weight, reach, o->w, line + at);
+            continue;
         }
-        if (dense) { // all around
-            memcpy(light, light + o->w, (size_t) margin * sizeof *light);
-            memcpy(light + margin + o->w, light + margin,
-                   (size_t) margin * sizeof *light);
-            sum_dense(light + margin, weight, reach, o->w, to);
-        }
+        for (uint32_t i = src->row[from]; i < src->row[from + 1]; i++)
+            gp_sky_add_scaled(line + at + column_of(o, src->x[i]) - reach,
+                              weight - reach, src->rgb[c][i], 2 * reach + 1);
     }
 }
 
-/* Row y of the frame: the first term, what stays, and no light below 0. */
-static void finish_row(const struct adding *a, int y, int margin, float *light,
-                       float *line)
+/* Adds a line of the sphere to a row of the frame; what stays, by `own`; and leaves no
+ * light below 0. */
+static void finish_row(const struct adding *a, int y, size_t c, float own,
+                       float *at, bool lit)
 {
     const struct gp_sky_sphere *const o = a->o;
     const struct gp_sources *const src = a->d->src;
-    const int row = y + o->y0, w = src->w;
-    const size_t room = line_room(o, margin);
-    const bool near = row >= o->level[0].n && row < o->h - o->level[0].n;
-    const int from = gp_max(y - o->near, 0);
-    const int end = gp_min(y + o->near + 1, src->h);
-    const bool lit = near && src->row[from] != src->row[end];
-    if (lit)
-        memset(line, 0, 3 * room * sizeof *line);
-    for (int s = from; s < end && lit; s++)
-        add_arc(a, row, s, margin, light, line);
-    for (size_t c = 0; c < 3; c++) {
-        float *const to = a->d->layer->c[c] + (size_t) y * (size_t) w;
-        float *const at = line + c * room + margin;
-        for (int x = 0; x < margin && lit; x++) { // all around
-            at[x] += at[o->w + x];
-            at[o->w - 1 - x] += at[-1 - x];
-        }
-        for (int x = 0; x < w && lit; x++)
-            to[x] += at[(x + o->x0) % o->w];
-        const float own = (float) o->own[row] + a->d->more[c];
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
-            to[src->x[i]] += own * src->rgb[c][i];
-        for (int x = 0; x < w; x++)
-            to[x] = gp_maxf(to[x], 0.0f);
+    const int w = src->w, before = gp_min(w, o->w - o->x0);
+    float *const to = a->d->layer->c[c] + (size_t) y * (size_t) w;
+    for (int x = 0; x < o->margin && lit; x++) { // all around
+        at[x] += at[o->w + x];
+        at[o->w - 1 - x] += at[-1 - x];
     }
+    if (lit) {
+        gp_sky_add_scaled(to, at + o->x0, 1.0f, before);
+        gp_sky_add_scaled(to + before, at, 1.0f, w - before);
+    }
+    for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+        to[src->x[i]] += own * src->rgb[c][i];
+    for (int x = 0; x < w; x++)
+        to[x] = gp_maxf(to[x], 0.0f);
 }
 
+/* A band of rows: the first term, and all the rest. */
 static void finish_band(void *ctx, int band, int thread)
 {
     const struct adding *const a = ctx;
+    const struct gp_sky_sphere *const o = a->o;
     const struct gp_sky_drawing *const d = a->d;
-    float *const light = (void *) (a->scratch + (size_t) thread * a->room);
-    const int margin = a->o->margin, h = d->src->h;
+    const int h = d->src->h, near = o->level[0].n, top = band * BAND - o->near;
+    const size_t room = line_room(o);
+    float *const line = (void *) (a->scratch + (size_t) thread * a->room);
+    float *const light = line + 3 * room; // of rows from `top` on
+    for (int y = gp_max(top, 0); y < gp_min(top + BAND + 2 * o->near, h); y++) {
+        if (is_dense(a, y))
+            lay_out(a, y, light + (size_t) (y - top) * 3 * room);
+    }
     for (int y = band * BAND; y < gp_min((band + 1) * BAND, h); y++) {
-        finish_row(a, y, margin, light, light + line_room(a->o, margin));
-        for (int c = 0; c < 3 && d->rest; c++)
-            d->rest(d->ctx, c * h + y, thread);
+        const int row = y + o->y0, from = gp_max(y - o->near, 0);
+        const int end = gp_min(y + o->near + 1, h);
+        const bool lit = row >= near && row < o->h - near &&
+                         d->src->row[from] != d->src->row[end];
+        if (lit)
+            memset(line, 0, 3 * room * sizeof *line);
+        for (int s = from; s < end && lit; s++)
+            add_arc(a, row, s, light + (size_t) (s - top) * 3 * room, line);
+        for (size_t c = 0; c < 3; c++) {
+            finish_row(a, y, c, (float) o->own[row] + d->more[c],
+                       line + c * room + o->margin, lit);
+            if (d->rest)
+                d->rest(d->ctx, (int) c * h + y, thread);
+        }
     }
 }
 
@@ -389,7 +441,7 @@ gp_status gp_sky_sphere_add(const struct gp_log *log, const struct gp_sky *s,
         a.nodes += (size_t) o->level[l].n + 3;
     }
     a.room = (6 * a.nodes + 2 * (size_t) o->level[0].n) * sizeof(struct point);
-    const size_t lines = 4 * line_room(o, o->margin) * sizeof(float);
+    const size_t lines = band_room(o) * sizeof(float);
     a.room = (a.room > lines ? a.room : lines) + GP_POINT_BYTES;
     a.room -= a.room % GP_POINT_BYTES;
     if (!m->z[0])
