@@ -23,7 +23,7 @@ struct bench {
     struct glarepp_kernel *kernel;
     struct gp_frame *f;
     struct glarepp_frame_params params; // of f
-    bool angles;                 // the truth is by true angles, not a plane's
+    bool angles;                        // the truth is by them, not a plane's
     struct glarepp_plan *plan;   // of the truth
     struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
     struct glarepp_sense_facts sense;
@@ -53,11 +53,16 @@ static gp_status make_plan(const struct bench *b,
                            struct glarepp_plan **out)
 {
     struct glarepp_plan_params p = *b->req->plan;
+    const struct glarepp_layer_params usual = GLAREPP_LAYER_PARAMS;
     struct glarepp_layer_params layer = *p.layer;
     layer.edges = GLAREPP_BLACK;
-    if (!b->angles || (t && t->plane))
+    if (!b->angles || (t && !t->follows))
         p.projection = GLAREPP_PLANE;
+    if (!t)
+        layer.tolerance = fminf(layer.tolerance, 1e-6f); // what FLIP is against
     if (t) {
+        if (strcmp(t->engine, "auto") != 0) // the option is auto's
+            layer.tolerance = usual.tolerance;
         layer.engine = t->engine;
         layer.group = t->group;
         layer.cluster = t->cluster;
@@ -311,7 +316,9 @@ static gp_status begin_trial(struct bench *b,
     if (!st && frame) {
         row->polygons = (double) row->facts.polygons;
         row->polygon_pixels = row->facts.polygon_pixels;
-        row->bound = row->facts.bound;
+        // no plane bounds what it is off true angles
+        if (!b->angles || technique->follows)
+            row->bound = row->facts.bound;
         st = measure_error(b, frame, row);
     }
     // the renderer's name goes with its context
@@ -391,7 +398,8 @@ out:
 
 // -- a frame ------------------------------------------------------------------
 
-/* Finds the sources and the sum in double, and shows its composite. */
+/* Finds the sources and the sum in double, and shows its composite; or the layer's,
+ * where the sum may be of a sample. */
 static gp_status make_truth(struct bench *b)
 {
     const size_t n = gp_frame_pixels(b->f);
@@ -401,19 +409,24 @@ static gp_status make_truth(struct bench *b)
     b->params.in_place = true;
     b->params.details = true; // keeps the sum
     b->params.user = &b->errors;
+    b->angles = b->req->plan->projection != GLAREPP_PLANE;
     GP_TRY(make_plan(b, NULL, &b->plan));
     GP_TRY(glarepp_frame(b->plan, &b->params, &b->truth));
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_SENSE));
     b->sense = glarepp_frame_facts(b->truth)->sense;
+    if (b->sense.sources)
+        GP_TRY(glarepp_frame_run(b->truth, GLAREPP_KERNEL));
+    const char *const by = glarepp_frame_facts(b->truth)->kernel.projection;
+    b->angles = b->angles && by && strcmp(by, "plane") != 0;
     if (!b->sense.sources)
         return GP_OK;
-    GP_TRY(glarepp_frame_run(b->truth, GLAREPP_KERNEL));
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_LAYER));
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_VERIFY));
-    // FLIP judges the tone-mapped composite, not light; of a sample there is none
-    if (b->angles || strcmp(b->req->plan->tone->curve, "none") == 0)
+    // FLIP judges the tone-mapped composite, not light
+    if (strcmp(b->req->plan->tone->curve, "none") == 0)
         return GP_OK;
-    GP_TRY(glarepp_frame_view(b->truth, GLAREPP_TRUTH, 0, &view));
+    GP_TRY(glarepp_frame_view(
+        b->truth, b->angles ? GLAREPP_GLARE : GLAREPP_TRUTH, 0, &view));
     GP_TRY(glarepp_frame_set(b->truth, GLAREPP_GLARE, &view));
     GP_TRY(show(b->truth, &view));
     GP_TRY(gp_planes_make(b->log, "picture", n, &b->shown));
@@ -430,47 +443,11 @@ static void end_truth(struct bench *b)
     gp_planes_free(&b->shown);
 }
 
-/* Adds what a plane leaves of true angles, where the kernel follows them. */
-static gp_status measure_angles(const struct bench *plain,
-                                struct gp_bench_frame *out)
-{
-    static const struct gp_bench_technique ways[] = {
-        {"levels, by true angles", "fft", 1, 0, 0.0f, false},
-        {"plane, by true angles", "fft", 1, 0, 0.0f, true},
-    };
-    struct bench b = *plain;
-    gp_status st;
-    b.angles = true;
-    b.plan = NULL;
-    b.truth = NULL;
-    b.shown = (struct gp_planes) {0};
-    GP_TRY(make_truth(&b));
-    const char *const by = glarepp_frame_facts(b.truth)->kernel.projection;
-    if (!by || strcmp(by, "plane") == 0)
-        goto out;
-    for (int i = 0; i < 2; i++) {
-        struct gp_bench_row *const row = &out->row[out->rows++];
-        *row = (struct gp_bench_row) {
-            .name = ways[i].name,
-            .layer = "angles",
-            .share = 1.0,
-            .bound = NAN,
-            .flip = NAN,
-        };
-        snprintf(row->options, sizeof row->options, "-e fft --projection %s",
-                 i ? "plane" : by);
-    }
-    GP_TRY(run_techniques(&b, ways, 2, &out->row[out->rows - 2]));
-    out->row[out->rows - 1].bound = NAN; // it is a plane's
-out:
-    end_truth(&b);
-    return st;
-}
-
 /* Measures all techniques on a frame into *out, in their order. */
 static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
 {
     const struct glarepp_plan_params *const plan = b->req->plan;
+    struct gp_bench_technique technique[GP_BENCH_ROWS];
     gp_status st;
     GP_TRY(make_truth(b));
     out->width = gp_frame_w(b->f);
@@ -478,21 +455,27 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
     out->sources = b->sense.sources;
     const struct glarepp_kernel_facts *const kernel =
         &glarepp_frame_facts(b->truth)->kernel;
+    out->angles = b->angles;
     out->kernel_w = kernel->w;
     out->kernel_h = kernel->h;
     out->kernel_left_out = kernel->modelled ? kernel->left_out : (double) NAN;
-    for (out->rows = 0; gp_bench_techniques[out->rows].name; out->rows++) {
-        const struct gp_bench_technique *const technique =
-            &gp_bench_techniques[out->rows];
+    for (const struct gp_bench_technique *t = gp_bench_techniques; t->name;
+         t++) {
+        if (strcmp(t->name, "levels") == 0 && !b->angles)
+            continue;
         struct gp_bench_row *const row = &out->row[out->rows];
+        technique[out->rows++] = *t;
         *row = (struct gp_bench_row) {
-            .name = technique->name, .share = 1.0, .bound = NAN, .flip = NAN,
+            .name = t->name,
+            .share = 1.0,
+            .bound = NAN,
+            .flip = NAN,
             .why = "no pixel is over the threshold",
         };
-        gp_bench_options(technique, plan->layer->tolerance, row->options,
+        gp_bench_options(t, plan->layer->tolerance, b->angles, row->options,
                          sizeof row->options);
         // the layer by the kernel's core and its far field is auto's
-        if (kernel->grid && strcmp(technique->engine, "direct") == 0)
+        if ((kernel->grid || b->angles) && strcmp(t->engine, "direct") == 0)
             row->name = "direct, whole kernel";
         if (b->sense.sources)
             row->why[0] = '\0';
@@ -501,9 +484,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
                    row->why);
     }
     if (b->sense.sources)
-        GP_TRY(run_techniques(b, gp_bench_techniques, out->rows, out->row));
-    if (b->sense.sources && plan->projection != GLAREPP_PLANE)
-        GP_TRY(measure_angles(b, out));
+        GP_TRY(run_techniques(b, technique, out->rows, out->row));
     GP_TRY(gp_bench_extras(b->log, b->req, b->kernel, &b->params,
                            b->sense.sources > 0, out));
     gp_bench_mark_pareto(out);

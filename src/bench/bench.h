@@ -62,8 +62,8 @@ struct gp_bench_request {
  * in 8 bits; the error is the difference to exact over all lights. Without a
  * plot.
  *
- * The techniques draw one kernel everywhere, on a plane. After them a model that
- * follows true angles has two rows against their sum: levels, and what a plane leaves.
+ * The truth is the picture's: by true angles where its kernel follows them, else a
+ * plane's. Techniques that draw one kernel everywhere have a plane's error in theirs.
  *
  * Flare of bright pixels and ghosts of a lens are rows after the techniques, each
  * against its own truth.

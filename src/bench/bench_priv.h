@@ -52,18 +52,18 @@ struct gp_bench_technique {
     const char *engine;
     int group, cluster;
     float shrink;
-    bool plane; // where the truth is by true angles
+    bool follows; // true angles, where the frame's kernel does; else a plane
 };
 extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
 enum {
-    GP_BENCH_ROWS = 10, // of gp_bench_techniques
-    GP_BENCH_MOST =
-        GP_BENCH_ROWS + 5, // with angles, flare, and a lens in two ways
+    GP_BENCH_ROWS = 11,                // of gp_bench_techniques
+    GP_BENCH_MOST = GP_BENCH_ROWS + 3, // with flare, and a lens in two ways
 };
 
-/* Writes the main command's options for that technique. */
+/* Writes the main command's options for that technique; `plane`: with one, where it
+ * does not follow angles. */
 void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
-                      char *line, size_t size);
+                      bool plane, char *line, size_t size);
 
 /* One technique on one frame. */
 struct gp_bench_row {
@@ -84,7 +84,7 @@ struct gp_bench_row {
     bool measured;             // `error` is known; never when extrapolated
     struct glarepp_errors error;
     double flip;               // mean LDR-FLIP; NaN: not defined
-    const char *layer;         // "angles", "flare", "lens"; NULL: the kernel's
+    const char *layer;         // "flare", "lens"; NULL: the kernel's
     const char *same;          // auto: the row that computes the same, whose
                                // times it has; or NULL
     bool pareto; // no row of the layer is nearer and surely faster
@@ -127,6 +127,7 @@ struct gp_bench_frame {
     char *input;               // name or path, owned
     int width, height;
     long long sources;
+    bool angles; // its kernel follows true angles
     int kernel_w, kernel_h;
     char *kernel;              // name or path, owned
     double kernel_left_out;    // as in glarepp_kernel_facts; NaN: no model's

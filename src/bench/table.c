@@ -24,22 +24,24 @@ const struct gp_bench_technique gp_bench_techniques[] = {
     {"splat group 4, cluster 8", "splat", 4, 8, 0.0f, false},
     {"splat group 4, shrink 1e-3", "splat", 4, 0, 1e-3f, false},
     {"splat 4/8/1e-3", "splat", 4, 8, 1e-3f, false},
-    {"auto", "auto", 4, 8, 1e-3f, false},
+    {"levels", "fft", 1, 0, 0.0f, true},
+    {"auto", "auto", 4, 8, 1e-3f, true},
     {0},
 };
 _Static_assert(sizeof gp_bench_techniques / sizeof *gp_bench_techniques ==
                    GP_BENCH_ROWS + 1, "a row for each technique");
 
 void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
-                      char *line, size_t size)
+                      bool plane, char *line, size_t size)
 {
+    const char *const by = plane && !t->follows ? " --projection plane" : "";
     if (strcmp(t->engine, "auto") == 0)
         snprintf(line, size, "-e auto --tolerance %g", (double) tolerance);
     else if (strcmp(t->engine, "splat") != 0)
-        snprintf(line, size, "-e %s", t->engine);
+        snprintf(line, size, "-e %s%s", t->engine, by);
     else
-        snprintf(line, size, "-e splat --group %d --cluster %d --shrink %g",
-                 t->group, t->cluster, (double) t->shrink);
+        snprintf(line, size, "-e splat --group %d --cluster %d --shrink %g%s",
+                 t->group, t->cluster, (double) t->shrink, by);
 }
 
 void gp_bench_mark_pareto(struct gp_bench_frame *f)
@@ -127,7 +129,7 @@ static void print_choices(const struct gp_bench_frame *f)
             f->choice[by][k] < 0 ? NULL : &f->row[f->choice[by][k]];
         printf("  %-8s %.0e  ", gp_bench_by[by], gp_bench_within[k]);
         if (!r) {
-            printf("none\n");
+            printf("none that is measured\n");
             continue;
         }
         printf("%-10s", "");
@@ -172,9 +174,13 @@ static void print_table(const struct gp_bench_table *t)
     for (int i = 0; i < t->frames; i++) {
         const struct gp_bench_frame *const f = &t->frame[i];
         const char *gl = NULL; // context of the run
-        printf("%s: %dx%d, %lld sources, kernel %s %dx%d",
+        printf("%s: %dx%d, %lld sources, kernel %s",
                gp_printable(f->input).text, f->width, f->height, f->sources,
-               gp_printable(f->kernel).text, f->kernel_w, f->kernel_h);
+               gp_printable(f->kernel).text);
+        if (f->angles)
+            printf(" by true angles");
+        else
+            printf(" %dx%d", f->kernel_w, f->kernel_h);
         if (!isnan(f->kernel_left_out))
             printf(", kernel_left_out %.2e", f->kernel_left_out);
         printf("; bright pass to layer, median of %d runs, %d threads\n",
@@ -223,6 +229,9 @@ static void print_table(const struct gp_bench_table *t)
         }
         if (gl)
             printf("  splat ran on %s\n", gp_printable(gl).text);
+        if (f->angles)
+            printf("  direct, fft and splat draw a plane: their errors have "
+                   "that in them\n");
         print_choices(f);
         if (f->whole.outputs)
             print_whole(&f->whole);
@@ -237,7 +246,7 @@ static void print_table(const struct gp_bench_table *t)
         "that later frames keep\n"
         "4/8/1e-3: --group 4 --cluster 8 --shrink 1e-3, all of Ando's "
         "techniques; FLIP: of the tone-mapped pictures\n"
-        "angles, flare, lens: each against its own truth; the lens's are "
+        "flare, lens: each against its own truth; the lens's are "
         "meshes twice as fine, of all ghosts\n");
 }
 

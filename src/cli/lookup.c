@@ -448,8 +448,9 @@ bool gp_style_sets(const char *style, const char *option)
 const char *gp_engine_name(int i, const char **text)
 {
     if (i == 0) {
-        *text = "direct for a handful of bright pixels, else fft, by each "
-                "frame alone; whichever keeps the tolerance";
+        *text = "direct for a handful of bright pixels, else fft (levels, by "
+                "true angles), by each frame alone; whichever keeps the "
+                "tolerance";
         return "auto";
     }
     return glarepp_name(NULL, GLAREPP_ENGINES, i - 1, text);

@@ -188,7 +188,7 @@ const struct gp_option gp_options[] = {
                 "have their size; without it the frame's camera, else 30, of a "
                 "fisheye 180",
         .usual = "Set the vertical angle of view"),
-    CHOICE(plan.projection, .name = "projection", DRAWS(LIGHT), .arg = "HOW",
+    CHOICE(plan.projection, .name = "projection", BOTH(LIGHT), .arg = "HOW",
         .choices = gp_projections, .help = "Take the angles of the frame's "
         "pixels so; kernel images, and models with rays or edges, are the same "
         "everywhere by either"),

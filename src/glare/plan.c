@@ -118,14 +118,6 @@ static gp_status find_choice(const struct gp_glare_request *req,
     return st;
 }
 
-/* Tests whether true angles of all sources are summed, as they are defined, in less
- * than a time: so many pairs of a source and a pixel. */
-static bool is_short(const struct gp_glare_request *req, double pairs)
-{
-    const struct gp_sources *const s = req->src;
-    return req->kernel->sky && (double) s->n * s->w * s->h <= pairs;
-}
-
 /* Takes `direct` of the kernel with its far field, sample by sample, where that
  * keeps the tolerances, or leaves less than half of what is over them. */
 static gp_status try_whole(const struct gp_glare_request *req,
@@ -221,9 +213,12 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                     worse_bound(p, &other) < worse_bound(p, out)))
             *out = other;
     }
-    static const double AT_ONCE = 2e5, SECONDS = 2e7;
-    if (!st && (is_short(req, AT_ONCE) ||
-                (!is_within(p, out) && (req->far || is_short(req, SECONDS)))))
+    // pairs by true angles that are summed as they are defined in some seconds
+    static const double SECONDS = 2e7;
+    const bool is_short =
+        (double) req->src->n * req->src->w * req->src->h <= SECONDS;
+    if (!st && !is_within(p, out) &&
+        (req->far || (req->kernel->sky && is_short)))
         st = try_whole(req, g, floor, out);
     if (st)
         return st;

@@ -105,6 +105,7 @@ static void options_ask_for_the_technique(void **state)
         {"splat group 8", "-e splat --group 8 --cluster 0 --shrink 0"},
         {"splat 4/8/1e-3",
          "-e splat --group 4 --cluster 8 --shrink 0.001"},
+        {"levels", "-e fft"},
         {"auto", "-e auto --tolerance 0.25"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -113,8 +114,14 @@ static void options_ask_for_the_technique(void **state)
         while (t->name && strcmp(t->name, rows[i].name) != 0)
             t++;
         assert_non_null(t->name);
-        gp_bench_options(t, 0.25f, line, sizeof line);
+        gp_bench_options(t, 0.25f, false, line, sizeof line);
         assert_string_equal(line, rows[i].options);
+        // of true angles, what draws a plane asks for it
+        char angles[sizeof line];
+        gp_bench_options(t, 0.25f, true, angles, sizeof angles);
+        if (!t->follows)
+            strcat(line, " --projection plane");
+        assert_string_equal(line, angles);
     }
 }
 
