@@ -92,22 +92,9 @@ static void make_filters(struct filters *f)
         (void) normalise(tap[k], NARROW_TAPS, f->feature[k]);
 }
 
-/* out[i] = sum over t of tap[t] * in[i + t]; n values from n + taps - 1. */
-GP_CLONES static void filter_row(const float *in, const float *tap, int taps,
-                                 int n, float *restrict out)
-{
-    for (int i = 0; i < n; i++)
-        out[i] = 0.0f;
-    for (int t = 0; t < taps; t++) {
-        const float k = tap[t], *const from = in + t;
-        for (int i = 0; i < n; i++)
-            out[i] += k * from[i];
-    }
-}
-
 /* out[i] += weight * sum over t of tap[t] * in[t * pitch + i]. */
-GP_CLONES static void filter_column(const float *in, int pitch,
-    const float *tap, int taps, float weight, int n, float *restrict out)
+GP_CLONES static void filter(const float *in, int pitch, const float *tap,
+                             int taps, float weight, int n, float *restrict out)
 {
     for (int t = 0; t < taps; t++) {
         const float k = weight * tap[t];
@@ -135,8 +122,8 @@ struct metric {
     float to_xyz[9], to_rgb[9];    // BT.709 and XYZ over that of white
     float most;                    // largest colour difference, raised
     struct tile *tile;             // of each thread
-    float *map;
-    double *sum;                   // one a tile
+    float scale;                   // of the present exposure; 0: display-linear
+    float *map;                    // the largest of all exposures
 };
 
 /* A tile under way; rows of TILE_W. */
@@ -186,6 +173,32 @@ static float distance(const float a[3], const float b[3])
     return fabsf(a[0] - b[0]) + sqrtf(da * da + db * db);
 }
 
+/* Narkowicz, ACES Filmic Tone Mapping Curve (2016): (x (a x + b)) /
+ * (x (c x + d) + e), with x times 0.6 as Andersson et al. 2021 take it. */
+static const float ACES_A = 0.6f * 0.6f * 2.51f, ACES_B = 0.6f * 0.03f;
+static const float ACES_C = 0.6f * 0.6f * 2.43f, ACES_D = 0.6f * 0.59f;
+static const float ACES_E = 0.14f;
+
+#define TARGET 0.85     // the largest and the median luminance map to this
+#define LIGHT_MAX 1e15f // beyond, all is white; its square is finite
+
+/* Light as the curve takes it. */
+static float bounded(float v)
+{
+    return v > 0.0f ? (v < LIGHT_MAX ? v : LIGHT_MAX) : 0.0f; // NaN is 0
+}
+
+/* A sample as the display shows it. */
+static float shown(const struct metric *m, float v)
+{
+    if (m->scale == 0.0f)
+        return gp_clamp01(v);
+    const float x = bounded(bounded(v) * m->scale);
+    const float y =
+        x * (ACES_A * x + ACES_B) / (x * (ACES_C * x + ACES_D) + ACES_E);
+    return y < 1.0f ? y : 1.0f;
+}
+
 // -- one picture in a tile ---------------------------------------------------
 
 /* Filters a picture in a tile. The lines along x hold the opponent colours
@@ -203,21 +216,22 @@ static void resolve(const struct metric *m, struct tile *t, int picture)
         for (int i = 0; i < t->w + 2 * r; i++) {
             const size_t at = row * (size_t) m->w +
                               (size_t) gp_clamp(t->x0 - r + i, 0, m->w - 1);
-            const float rgb[3] = {gp_clamp01(p->c[0][at]),
-                                  gp_clamp01(p->c[1][at]),
-                                  gp_clamp01(p->c[2][at])};
+            const float rgb[3] = {shown(m, p->c[0][at]), shown(m, p->c[1][at]),
+                                  shown(m, p->c[2][at])};
             float xyz[3];
             multiply(m->to_xyz, rgb, xyz);
             t->row[0][i] = xyz[1];
             t->row[1][i] = xyz[0] - xyz[1];
             t->row[2][i] = xyz[1] - xyz[2];
         }
+        for (int k = 0; k < LINES; k++)
+            memset(t->line[k] + j * TILE_W, 0, TILE_W * sizeof(float));
         for (int c = 0; c < COLOURS; c++)
-            filter_row(t->row[plane[c]], f->colour[c], TAPS, t->w,
-                       t->line[c] + j * TILE_W);
+            filter(t->row[plane[c]], 1, f->colour[c], TAPS, 1.0f, t->w,
+                   t->line[c] + j * TILE_W);
         for (int k = 0; k < FEATURES; k++)
-            filter_row(t->row[0] + inset, f->feature[k], NARROW_TAPS, t->w,
-                       t->line[COLOURS + k] + j * TILE_W);
+            filter(t->row[0] + inset, 1, f->feature[k], NARROW_TAPS, 1.0f, t->w,
+                   t->line[COLOURS + k] + j * TILE_W);
     }
     const float weight[COLOURS] = {1.0f, 1.0f, f->share[0], f->share[1]};
     for (int j = 0; j < t->h; j++) {
@@ -226,8 +240,8 @@ static void resolve(const struct metric *m, struct tile *t, int picture)
         float sum[3][TILE_W] = {0};
         // colours as the eye resolves them
         for (int c = 0; c < COLOURS; c++)
-            filter_column(t->line[c] + at, TILE_W, f->colour[c], TAPS,
-                          weight[c], t->w, sum[plane[c]]);
+            filter(t->line[c] + at, TILE_W, f->colour[c], TAPS, weight[c], t->w,
+                   sum[plane[c]]);
         for (int i = 0; i < t->w; i++) {
             const float y = sum[0][i];
             const float xyz[3] = {y + sum[1][i], y, y - sum[2][i]};
@@ -242,10 +256,10 @@ static void resolve(const struct metric *m, struct tile *t, int picture)
         // magnitudes of each detector along x and along y
         for (int k = EDGES; k <= POINTS; k++) {
             float x[TILE_W] = {0}, y[TILE_W] = {0};
-            filter_column(t->line[COLOURS + k] + top, TILE_W,
-                          f->feature[BLUR], NARROW_TAPS, 1.0f, t->w, x);
-            filter_column(t->line[COLOURS + BLUR] + top, TILE_W,
-                          f->feature[k], NARROW_TAPS, 1.0f, t->w, y);
+            filter(t->line[COLOURS + k] + top, TILE_W, f->feature[BLUR],
+                   NARROW_TAPS, 1.0f, t->w, x);
+            filter(t->line[COLOURS + BLUR] + top, TILE_W, f->feature[k],
+                   NARROW_TAPS, 1.0f, t->w, y);
             for (int i = 0; i < t->w; i++)
                 seen[EDGE + k - EDGES][at + i] =
                     sqrtf(x[i] * x[i] + y[i] * y[i]);
@@ -281,28 +295,27 @@ static void compare_tile(void *ctx, int i, int thread)
     t->y0 = i / m->across * TILE_H;
     t->w = gp_min(m->w - t->x0, TILE_W);
     t->h = gp_min(m->h - t->y0, TILE_H);
-    double sum = 0.0;
     resolve(m, t, 0);
     resolve(m, t, 1);
     for (int y = 0; y < t->h; y++) {
-        const size_t at = (size_t) (t->y0 + y) * (size_t) m->w + (size_t) t->x0;
-        for (int x = 0; x < t->w; x++) {
-            m->map[at + (size_t) x] = difference(m, t, y * TILE_W + x);
-            sum += (double) m->map[at + (size_t) x];
-        }
+        float *const to = m->map + (size_t) (t->y0 + y) * (size_t) m->w + t->x0;
+        for (int x = 0; x < t->w; x++)
+            to[x] = gp_maxf(difference(m, t, y * TILE_W + x), to[x]);
     }
-    m->sum[i] = sum;
 }
 
-gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
-                      const struct gp_planes *a, const struct gp_planes *b,
-                      float *map, double *mean)
+/* Sets the map and its mean: of display-linear pictures, or of `e`. */
+static gp_status compare(const struct gp_log *log, int w, int h,
+                         const struct gp_planes *a, const struct gp_planes *b,
+                         const struct gp_flip_exposures *e, float *map,
+                         double *mean)
 {
     struct metric m = {.w = w, .h = h, .across = (w + TILE_W - 1) / TILE_W,
                        .picture = {a, b}, .map = map};
     const int tiles = m.across * ((h + TILE_H - 1) / TILE_H);
+    const size_t n = (size_t) w * (size_t) h;
     // matrices between linear BT.709 and XYZ over that of white
-    double xyz[9], rgb[9];
+    double xyz[9], rgb[9], sum = 0.0;
     (void) gp_rgb_to_xyz(gp_rec709_chromaticities, xyz); // cannot fail
     for (int i = 0; i < 3; i++) {
         const double white = xyz[3 * i] + xyz[3 * i + 1] + xyz[3 * i + 2];
@@ -321,35 +334,47 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
     to_hunt_lab(&m, blue, lab[1]);
     m.most = powf(distance(lab[0], lab[1]), COLOUR_POWER);
     make_filters(&m.filter);
-    gp_status st = gp_alloc(log, "flip", (size_t) gp_threads(), sizeof *m.tile,
-                            &m.tile);
-    if (!st)
-        st = gp_alloc(log, "flip", (size_t) tiles, sizeof *m.sum, &m.sum);
-    if (!st) {
+    const gp_status st =
+        gp_alloc(log, "flip", (size_t) gp_threads(), sizeof *m.tile, &m.tile);
+    if (st)
+        return st;
+    memset(map, 0, n * sizeof *map);
+    for (int i = 0; i < (e ? e->count : 1); i++) {
+        const double start = e ? (double) e->start : 0.0;
+        const double range = e ? (double) e->stop - start : 0.0;
+        const double ev = i ? start + range * i / (e->count - 1) : start;
+        // factors that move any float in or out of sight are finite
+        m.scale = e ? (float) exp2(fmin(fmax(ev, -120.0), 120.0)) : 0.0f;
         gp_parallel_do(tiles, compare_tile, &m);
-        double sum = 0.0;
-        for (int i = 0; i < tiles; i++)
-            sum += m.sum[i];
-        *mean = sum / ((double) w * (double) h);
     }
+    for (size_t i = 0; i < n; i++)
+        sum += (double) map[i];
+    *mean = sum / (double) n;
     gp_free(m.tile);
-    gp_free(m.sum);
-    return st;
+    return GP_OK;
 }
 
-/* Narkowicz, ACES Filmic Tone Mapping Curve (2016): (x (a x + b)) /
- * (x (c x + d) + e), with x times 0.6 as Andersson et al. 2021 take it. */
-static const float ACES_A = 0.6f * 0.6f * 2.51f, ACES_B = 0.6f * 0.03f;
-static const float ACES_C = 0.6f * 0.6f * 2.43f, ACES_D = 0.6f * 0.59f;
-static const float ACES_E = 0.14f;
-
-#define TARGET 0.85     // the largest and the median luminance map to this
-#define LIGHT_MAX 1e15f // beyond, all is white; its square is finite
-
-/* Light as the curve takes it. */
-static float bounded(float v)
+gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
+                      const struct gp_planes *a, const struct gp_planes *b,
+                      float *map, double *mean)
 {
-    return v > 0.0f ? (v < LIGHT_MAX ? v : LIGHT_MAX) : 0.0f; // NaN is 0
+    return compare(log, w, h, a, b, NULL, map, mean);
+}
+
+gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
+                      const struct gp_planes *reference,
+                      const struct gp_planes *test,
+                      const struct gp_flip_exposures *e, float *map,
+                      double *mean)
+{
+    if (e->count < 1 || e->count > GP_FLIP_EXPOSURES_MAX ||
+        !isfinite(e->start) || !isfinite(e->stop))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "flip: exposures out of range (found "
+                       "%d from %g to %g); give 1 to %d of finite EV",
+                       e->count, (double) e->start, (double) e->stop,
+                       GP_FLIP_EXPOSURES_MAX);
+    return compare(log, w, h, reference, test, e, map, mean);
 }
 
 // -- exposures ---------------------------------------------------------------
@@ -401,76 +426,5 @@ gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
         (int) fmin(fmax(ceil(stop - start), 2.0), GP_FLIP_EXPOSURES_MAX),
     };
 out:
-    return st;
-}
-
-// -- the metric --------------------------------------------------------------
-
-struct toning {
-    const struct gp_planes *in;
-    float scale;
-    size_t n;
-    struct gp_planes *out;
-};
-
-enum { BLOCK = 1 << 14 };
-
-static void tone_block(void *ctx, int block, int thread)
-{
-    const struct toning *t = ctx;
-    const size_t from = (size_t) block * BLOCK;
-    const size_t to = t->n - from < BLOCK ? t->n : from + BLOCK;
-    (void) thread;
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = from; i < to; i++) {
-            const float x = bounded(bounded(t->in->c[c][i]) * t->scale);
-            const float y = x * (ACES_A * x + ACES_B) /
-                            (x * (ACES_C * x + ACES_D) + ACES_E);
-            t->out->c[c][i] = y < 1.0f ? y : 1.0f;
-        }
-    }
-}
-
-gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
-    const struct gp_planes *reference, const struct gp_planes *test,
-    const struct gp_flip_exposures *e, float *map, double *mean)
-{
-    gp_status st;
-    const size_t n = (size_t) w * (size_t) h;
-    const struct gp_planes *const in[2] = {reference, test};
-    struct gp_planes shown[2] = {{{NULL}}};
-    float *one = NULL; // FLIP of an exposure
-    double sum = 0.0;
-    if (e->count < 1 || e->count > GP_FLIP_EXPOSURES_MAX ||
-        !isfinite(e->start) || !isfinite(e->stop))
-        return gp_fail(log, GP_ERR_USAGE, "flip: exposures out of range (found "
-            "%d from %g to %g); give 1 to %d of finite EV", e->count,
-            (double) e->start, (double) e->stop, GP_FLIP_EXPOSURES_MAX);
-    for (int i = 0; i < 2; i++)
-        GP_TRY(gp_planes_make(log, "flip", n, &shown[i]));
-    GP_TRY(gp_alloc(log, "flip", n, sizeof *one, &one));
-    memset(map, 0, n * sizeof *map);
-    for (int i = 0; i < e->count; i++) {
-        const double start = (double) e->start, stop = (double) e->stop;
-        const double ev =
-            e->count > 1 ? start + (stop - start) * i / (e->count - 1) : start;
-        // factors that move any float in or out of sight are finite
-        const float scale = (float) exp2(fmin(fmax(ev, -120.0), 120.0));
-        for (int k = 0; k < 2; k++) {
-            struct toning t = {in[k], scale, n, &shown[k]};
-            gp_parallel_do((int) ((n + BLOCK - 1) / BLOCK), tone_block, &t);
-        }
-        GP_TRY(gp_flip_ldr(log, w, h, &shown[0], &shown[1], one, &sum));
-        for (size_t j = 0; j < n; j++)
-            map[j] = gp_maxf(one[j], map[j]);
-    }
-    sum = 0.0;
-    for (size_t j = 0; j < n; j++)
-        sum += (double) map[j];
-    *mean = sum / (double) n;
-out:
-    for (int i = 0; i < 2; i++)
-        gp_planes_free(&shown[i]);
-    gp_free(one);
     return st;
 }
