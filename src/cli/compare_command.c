@@ -14,19 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One part of one pair of files, and its result; all is borrowed. */
-struct row {
-    const char *a, *b;   // files
-    int frame;           // of a sequence
-    int part, parts;     // parts > 1: printed beside the name
-    int result;          // exit status, at most GP_COMPARE_FILE
-    const char *why;     // of DIFFERENT and FILE, which have no figures; else
-                         // NULL
-    const struct gp_stored_image *image[2]; // of the files
-    const struct glarepp_compare *compare;
-    const struct glarepp_compare_facts *facts;
-};
-
 enum { HEATMAP, DIFFERENCE, PICTURES };
 
 /* A run, and its present pair. */
@@ -36,16 +23,14 @@ struct run {
     const struct gp_settings *s;
     struct gp_write_params write;        // of pictures
     struct gp_pattern in[2];             // .len 0: a plain file
-    const char *wanted[PICTURES];        // as given; NULL: not wanted
-    struct gp_pattern picture[PICTURES]; // of those
+    struct gp_pattern picture[PICTURES]; // .path NULL: not wanted
     struct gp_frames frames;             // n 0: one pair of plain files
     FILE *json;                          // NULL: not wanted
     struct gp_compare_pages pages;
-    bool full;                           // a line of it could not be written
     int worst;                           // exit status
     int count[GP_COMPARE_FILE + 1];
 
-    struct row row;
+    struct gp_compare_row row;
     bool drawn[PICTURES];                // the pair has this one
 };
 
@@ -61,7 +46,7 @@ static const char *word_of(int result)
     return word[result];
 }
 
-static void print_worst(const struct row *r)
+static void print_worst(const struct gp_compare_row *r)
 {
     const struct glarepp_compare_facts *const f = r->facts;
     printf("%g", f->max);
@@ -71,15 +56,15 @@ static void print_worst(const struct row *r)
 }
 
 /* The channel of a pair in file k, or NULL. */
-static const struct glarepp_channel *channel_of(const struct row *r, int k,
-                                                int pair)
+static const struct glarepp_channel *channel_of(const struct gp_compare_row *r,
+                                                int k, int pair)
 {
     const int i = (k ? r->facts->in_b : r->facts->in_a)[pair];
     return i < 0 ? NULL : &r->image[k]->channel[i];
 }
 
 /* The values of all channels of file k at the largest error; 0 outside. */
-static void print_values(const struct row *r, int k,
+static void print_values(const struct gp_compare_row *r, int k,
                          const char *before)
 {
     const struct gp_rect d = r->image[k]->data;
@@ -104,8 +89,8 @@ static void print_count(long long n, long long of, double limit)
            100.0 * (double) n / (double) of, limit);
 }
 
-static void print_part(const struct row *r,
-                      const struct gp_compare_settings *s)
+static void print_part(const struct gp_compare_row *r,
+                       const struct gp_compare_settings *s)
 {
     const struct glarepp_compare_facts *const f = r->facts;
     if (r->why) {
@@ -167,7 +152,7 @@ static void print_part(const struct row *r,
                gp_rect_w(b), gp_rect_h(b), b.x0, b.y0);
 }
 
-static void print_frame(const struct row *r)
+static void print_frame(const struct gp_compare_row *r)
 {
     const struct glarepp_compare_facts *const f = r->facts;
     printf("%d", r->frame);
@@ -189,12 +174,7 @@ static void print_frame(const struct row *r)
 
 // -- JSON --------------------------------------------------------------------
 
-static json_t *make_real(double v)
-{
-    return isfinite(v) ? json_real(v) : json_null();
-}
-
-static json_t *row_json(const struct row *r, bool numbered)
+static json_t *row_json(const struct gp_compare_row *r, bool numbered)
 {
     json_t *const o = json_pack("{so so so* so* ss si so*}",
         "a", gp_json_name(r->a), "b", gp_json_name(r->b),
@@ -205,26 +185,33 @@ static json_t *row_json(const struct row *r, bool numbered)
     if (r->why)
         return o;
     const struct glarepp_compare_facts *const f = r->facts;
-    json_t *const worst = !(f->max > 0.0) ? NULL : json_pack(
-        "{si si so so so}", "x", f->x, "y", f->y,
-        "channel", gp_json_name(f->pair[f->channel]),
-        "a", make_real(f->worst_a), "b", make_real(f->worst_b));
-    json_t *const figures = json_pack(
-        "{so so* so so so so so* so* ss* so* sI sI sI so* so* sI}",
-        "max", make_real(f->max), "worst", worst, "mean", make_real(f->mean),
-        "rms", make_real(f->rms), "psnr", make_real(f->psnr),
-        "rel_l2", make_real(f->rel_l2),
-        "max_rel", isnan(f->max_rel) ? NULL : make_real(f->max_rel),
-        "flip", f->has_flip ? make_real(f->flip) : NULL,
-        "flip_kind", !f->has_flip ? NULL : f->hdr ? "hdr" : "ldr",
-        "flip_exposures", !f->has_flip || !f->hdr ? NULL : json_pack("[ffi]",
-            (double) f->start, (double) f->stop, f->exposures),
-        "nonfinite", (json_int_t) f->nonfinite,
-        "failed", (json_int_t) f->failed, "warned", (json_int_t) f->warned,
-        "uneven", !f->uneven ? NULL : json_pack("{sI si si}", "pixels",
-            (json_int_t) f->uneven, "x", f->uneven_x, "y", f->uneven_y),
-        "seen", f->seen < 0 ? NULL : json_integer(f->seen),
-        "pixels", (json_int_t) f->pixels);
+    json_t *const worst =
+        !(f->max > 0.0)
+            ? NULL
+            : json_pack("{si si so so? so?}", "x", f->x, "y", f->y, "channel",
+                        gp_json_name(f->pair[f->channel]), "a",
+                        json_real(f->worst_a), "b", json_real(f->worst_b));
+    json_t *const figures = json_pack( // (json_real() of Inf is NULL)
+        "{so? so* so? so? so? so? so* so* ss* so* sI sI sI so* so* sI}", "max",
+        json_real(f->max), "worst", worst, "mean", json_real(f->mean), "rms",
+        json_real(f->rms), "psnr", json_real(f->psnr), "rel_l2",
+        json_real(f->rel_l2), "max_rel",
+        isinf(f->max_rel) ? json_null() : json_real(f->max_rel), "flip",
+        f->has_flip ? json_real(f->flip) : NULL, "flip_kind",
+        !f->has_flip ? NULL
+        : f->hdr     ? "hdr"
+                     : "ldr",
+        "flip_exposures",
+        !f->has_flip || !f->hdr ? NULL
+                                : json_pack("[ffi]", (double) f->start,
+                                            (double) f->stop, f->exposures),
+        "nonfinite", (json_int_t) f->nonfinite, "failed",
+        (json_int_t) f->failed, "warned", (json_int_t) f->warned, "uneven",
+        !f->uneven ? NULL
+                   : json_pack("{sI si si}", "pixels", (json_int_t) f->uneven,
+                               "x", f->uneven_x, "y", f->uneven_y),
+        "seen", f->seen < 0 ? NULL : json_integer(f->seen), "pixels",
+        (json_int_t) f->pixels);
     json_object_update(o, figures);
     json_decref(figures);
     return o;
@@ -354,38 +341,29 @@ static bool in_full(const struct run *r)
 static gp_status report_pair(struct run *r, int result, const char *why)
 {
     gp_status st = GP_OK;
-    struct row *const row = &r->row;
+    struct gp_compare_row *const row = &r->row;
     row->result = result;
     row->why = why;
     r->count[result]++;
     if (result > r->worst)
         r->worst = result;
+    json_t *const facts =
+        r->json || r->s->page.html ? row_json(row, r->frames.n > 0) : NULL;
     if (r->json) { // an object a line
-        char *const text = gp_json_print(
-            row_json(row, r->frames.n > 0),
-            JSON_COMPACT | JSON_REAL_PRECISION(9));
-        r->full = r->full || !text || fprintf(r->json, "%s\n", text) <= 0;
+        char *const text = gp_json_print(json_incref(facts),
+                                         JSON_COMPACT | JSON_REAL_PRECISION(9));
+        st = text && fprintf(r->json, "%s\n", text) > 0
+                 ? GP_OK
+                 : gp_no_memory(r->log, r->s->bench.json);
         free(text);
     }
     if (in_full(r))
         print_part(row, &r->s->compare);
     else if (prints(r))
         print_frame(row);
-    if (r->s->page.html) {
-        const struct gp_compare_entry e = {
-            .a = row->a,
-            .b = row->b,
-            .frame = row->frame,
-            .part = row->part,
-            .parts = row->parts,
-            .result = result,
-            .facts = row_json(row, r->frames.n > 0),
-            .image = {row->image[0], row->image[1]},
-            .compare = why ? NULL : row->compare,
-        };
-        st = gp_compare_pages_add(&r->pages, &e);
-        json_decref(e.facts);
-    }
+    if (r->s->page.html && !st)
+        st = gp_compare_pages_add(&r->pages, row, facts);
+    json_decref(facts);
     return st;
 }
 
@@ -396,10 +374,9 @@ static gp_status draw(struct run *r, int which)
     struct gp_frame f =
         gp_frame_blank((struct gp_rect) {w.x0, w.y0, w.x1, w.y1});
     f.path = gp_pattern_name(&r->picture[which], r->row.frame, NULL);
-    const gp_status st =
-        !f.path            ? gp_no_memory(r->log, r->wanted[which])
-        : which == HEATMAP ? draw_flip(r, &f)
-                           : draw_difference(r, &f);
+    const gp_status st = !f.path ? gp_no_memory(r->log, r->picture[which].path)
+                         : which == HEATMAP ? draw_flip(r, &f)
+                                            : draw_difference(r, &f);
     gp_frame_free(&f);
     r->drawn[which] = !st;
     return st;
@@ -486,8 +463,8 @@ static gp_status compare_frame(struct run *r, int frame)
     };
     gp_status st = path[0] && path[1]
                        ? GP_OK : gp_no_memory(r->log, r->s->input.files.at[0]);
-    r->row = (struct row) {.a = path[0], .b = path[1],
-                                      .frame = frame, .parts = 1};
+    r->row = (struct gp_compare_row) {
+        .a = path[0], .b = path[1], .frame = frame, .parts = 1};
     memset(r->drawn, 0, sizeof r->drawn);
     if (in_full(r) && !st)
         printf("Comparing \"%s\" and \"%s\"\n", gp_printable(path[0]).text,
@@ -519,10 +496,9 @@ static gp_status compare_frame(struct run *r, int frame)
     if (!st && !all && in_full(r) && (f[0].parts > 1 || f[1].parts > 1))
         printf("Only compared the first part (of %d and %d, respectively); -a "
                "compares all\n", f[0].parts, f[1].parts);
-    if (st && st != GP_ERR_BUG) {
+    if (st && st != GP_ERR_BUG)
         st =
             report_pair(r, GP_COMPARE_FILE, "a file cannot be read or written");
-    }
     if (!st)
         st = gp_compare_pages_write(&r->pages, frame, false);
     for (int i = 0; i < 2; i++) {
@@ -555,7 +531,7 @@ static gp_status check_names(const struct run *r)
         const int frame = r->frames.n ? r->frames.number[i % (2 * n) / 2] : 0;
         if (i == 2 * n)
             GP_TRY(gp_output_guard_settle(&c));
-        if (input ? !c.exists : !r->wanted[i % 2])
+        if (input ? !c.exists : !p->path)
             continue;
         name = gp_pattern_name(p, frame, NULL);
         if (!name)
@@ -597,17 +573,18 @@ static gp_status find_frames(struct run *r)
         gp_frames_free(&more);
     }
     for (int i = 0; i < PICTURES; i++) {
-        if (!r->wanted[i])
+        const char *const path = r->picture[i].path;
+        if (!path)
             continue;
-        GP_TRY(gp_pattern_find(r->log, r->wanted[i], &r->picture[i]));
+        GP_TRY(gp_pattern_find(r->log, path, &r->picture[i]));
         if (sequence && !r->picture[i].len)
-            return gp_fail(r->log, GP_ERR_USAGE, "%s: one name for all frames "
+            return gp_fail(r->log, GP_ERR_USAGE,
+                           "%s: one name for all frames "
                            "of a sequence; write a pattern, e.g. heat.####.png",
-                           r->wanted[i]);
+                           path);
         // the pair is compared even where its difference cannot be written
-        if (i == HEATMAP ||
-            gp_write_check(NULL, &r->write, r->wanted[i]) != GP_ERR_IO)
-            GP_TRY(gp_write_check(r->log, &r->write, r->wanted[i]));
+        if (i == HEATMAP || gp_write_check(NULL, &r->write, path) != GP_ERR_IO)
+            GP_TRY(gp_write_check(r->log, &r->write, path));
     }
     if (json && !gp_is_dash(json))
         GP_TRY(gp_file_check(r->log, json, false));
@@ -647,14 +624,19 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
                              const struct gp_settings *s, int *status)
 {
     struct run r = {
-        .log = log, .gp = gp, .s = s, .write = s->output.write,
-        .wanted = {s->compare.heatmap, s->compare.difference},
+        .log = log,
+        .gp = gp,
+        .s = s,
+        .write = s->output.write,
+        .picture = {{.path = s->compare.heatmap},
+                    {.path = s->compare.difference}},
     };
     const char *const json = s->bench.json;
     char *text = NULL, *command = NULL;
     size_t size = 0;
     gp_status st;
-    if (!s->output.no_provenance && (r.wanted[0] || r.wanted[1]))
+    if (!s->output.no_provenance &&
+        (s->compare.heatmap || s->compare.difference))
         GP_TRY(gp_command_text(log, s, s->input.files.at, s->input.files.n,
                                false, &command));
     r.write.command = command;
@@ -665,10 +647,9 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
     GP_TRY(find_frames(&r));
     GP_TRY(compare_all(&r));
     if (r.json) {
-        const bool lost = ferror(r.json) || r.full;
         const bool closed = fclose(r.json) == 0;
         r.json = NULL;
-        if (lost || !closed)
+        if (!closed)
             GP_TRY(gp_no_memory(log, json));
     }
     GP_TRY(gp_flush_stdout(log));

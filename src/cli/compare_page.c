@@ -30,55 +30,55 @@ struct gp_kept_entry {
 
 // -- gates ----------------------------------------------------------------------
 
-static void add_gate(json_t *list, const char *option, double value,
-                     const char *found_in, double found, double limit,
-                     const char *over)
-{
-    char name[48];
-    snprintf(name, sizeof name, isnan(value) ? "--%s" : "--%s %g", option,
-             value);
-    json_array_append_new(
-        list,
-        json_pack("{ss ss so so ss}", "gate", name, "of", found_in, "found",
-                  isfinite(found) ? json_real(found) : json_null(), "limit",
-                  isfinite(limit) ? json_real(limit) : json_null(), "status",
-                  found > limit ? over : "match"));
-}
-
 /* The limits of the command line, as the library judges by them. */
 static json_t *gates_of(const struct glarepp_compare_params *p,
                         const struct glarepp_compare_facts *f)
 {
     static const char pixels[] = "pixels over it", max[] = "largest error";
-    static const char failure[] = "failure", warning[] = "warning";
     const double hundredth = (double) f->pixels / 100.0;
     const double may =
         p->allow_failures < 0 ? (double) INFINITY : p->allow_failures;
     const double fails = fmax(may, (double) p->fail_percent * hundredth);
     const double warns = fmax(may, (double) p->warn_percent * hundredth);
-    const double none = (double) NAN;
+    const bool eye = f->seen >= 0;
+    const struct {
+        bool on;
+        const char *option;
+        float value; // NaN: it has none
+        const char *of;
+        double found, limit;
+        const char *over;
+    } gate[] = {
+        {eye, "perceptual", NAN, "pixels that an eye sees differ",
+         (double) f->seen, fails, "failure"},
+        {!eye, "fail", p->fail, pixels, (double) f->failed, fails, "failure"},
+        {!eye, "hardfail", p->hard_fail, max, f->max, (double) p->hard_fail,
+         "failure"},
+        {true, "fail-rel", p->fail_rel, "rel_l2", f->rel_l2,
+         (double) p->fail_rel, "failure"},
+        {true, "fail-flip", p->fail_flip, "mean FLIP",
+         f->has_flip ? f->flip : (double) NAN, (double) p->fail_flip,
+         "failure"},
+        {!eye, "warn", p->warn, pixels, (double) f->warned, warns, "warning"},
+        {!eye, "hardwarn", p->hard_warn, max, f->max, (double) p->hard_warn,
+         "warning"},
+    };
     json_t *const list = json_array();
-    if (f->seen >= 0)
-        add_gate(list, "perceptual", none, "pixels that an eye sees differ",
-                 (double) f->seen, fails, failure);
-    if (isfinite(p->fail) && f->seen < 0)
-        add_gate(list, "fail", (double) p->fail, pixels, (double) f->failed,
-                 fails, failure);
-    if (isfinite(p->hard_fail) && f->seen < 0)
-        add_gate(list, "hardfail", (double) p->hard_fail, max, f->max,
-                 (double) p->hard_fail, failure);
-    if (isfinite(p->fail_rel))
-        add_gate(list, "fail-rel", (double) p->fail_rel, "rel_l2", f->rel_l2,
-                 (double) p->fail_rel, failure);
-    if (isfinite(p->fail_flip))
-        add_gate(list, "fail-flip", (double) p->fail_flip, "mean FLIP",
-                 f->has_flip ? f->flip : none, (double) p->fail_flip, failure);
-    if (isfinite(p->warn) && f->seen < 0)
-        add_gate(list, "warn", (double) p->warn, pixels, (double) f->warned,
-                 warns, warning);
-    if (isfinite(p->hard_warn) && f->seen < 0)
-        add_gate(list, "hardwarn", (double) p->hard_warn, max, f->max,
-                 (double) p->hard_warn, warning);
+    for (size_t i = 0; i < sizeof gate / sizeof *gate; i++) {
+        char name[48];
+        if (!gate[i].on || isinf(gate[i].value))
+            continue;
+        const int n = snprintf(name, sizeof name, "--%s", gate[i].option);
+        if (!isnan(gate[i].value))
+            snprintf(name + n, sizeof name - (size_t) n, " %g",
+                     (double) gate[i].value);
+        json_array_append_new(
+            list,
+            json_pack("{ss ss so? so? ss}", "gate", name, "of", gate[i].of,
+                      "found", json_real(gate[i].found), "limit",
+                      json_real(gate[i].limit), "status",
+                      gate[i].found > gate[i].limit ? gate[i].over : "match"));
+    }
     return list;
 }
 
@@ -104,11 +104,10 @@ static gp_status about(const struct gp_log *log, const char *name,
 
 /* The colour of file k; without one in both the first channel of floats, in
  * grey. False: there is none. */
-static bool find_light(const struct gp_compare_entry *e, int k,
+static bool find_light(const struct gp_compare_row *e, int k,
                        struct gp_page_light *out, const char **channel)
 {
-    const struct glarepp_compare_facts *const f =
-        glarepp_compare_facts(e->compare);
+    const struct glarepp_compare_facts *const f = e->facts;
     const struct gp_stored_image *const m = e->image[k];
     *out = (struct gp_page_light) {.data = m->data, .luminance = m->luminance};
     *channel = NULL;
@@ -131,11 +130,10 @@ static bool find_light(const struct gp_compare_entry *e, int k,
 }
 
 static gp_status make_set(const struct gp_log *log,
-                          const struct gp_compare_entry *e, const char **grey,
+                          const struct gp_compare_row *e, const char **grey,
                           struct gp_page_set *s)
 {
-    const struct glarepp_compare_facts *const f =
-        glarepp_compare_facts(e->compare);
+    const struct glarepp_compare_facts *const f = e->facts;
     const struct glarepp_rect w = f->window;
     struct gp_page_light light[2];
     struct glarepp_image map = GLAREPP_IMAGE;
@@ -186,20 +184,19 @@ static void list_channels(const struct glarepp_compare_facts *f, json_t *entry)
 }
 
 static json_t *make_entry(const struct gp_compare_pages *p,
-                          const struct gp_compare_entry *e)
+                          const struct gp_compare_row *e, json_t *facts)
 {
-    char label[48];
-    const int n = p->sequence ? snprintf(label, sizeof label, "%d", e->frame)
-                              : snprintf(label, sizeof label, "%s", "");
+    char label[48] = "";
+    const int n =
+        p->sequence ? snprintf(label, sizeof label, "%d", e->frame) : 0;
     if (e->parts > 1)
         snprintf(label + n, sizeof label - (size_t) n, "%spart %d",
                  n ? ", " : "", e->part);
-    json_t *const o = json_pack("{ss sO so}", "label", label, "facts", e->facts,
+    json_t *const o = json_pack("{ss sO so}", "label", label, "facts", facts,
                                 "notes", json_array());
-    if (!e->compare)
+    if (e->why)
         return o;
-    const struct glarepp_compare_facts *const f =
-        glarepp_compare_facts(e->compare);
+    const struct glarepp_compare_facts *const f = e->facts;
     const struct gp_rect a = e->image[0]->data, b = e->image[1]->data;
     json_object_set_new(o, "gates", gates_of(&p->s->compare.limits, f));
     list_channels(f, o);
@@ -222,8 +219,8 @@ static size_t bytes_of(const json_t *o)
 
 /* Adds pictures to an entry, in `bytes`, and a thumbnail, where `side` is not 0. */
 static gp_status show(const struct gp_compare_pages *p,
-                      const struct gp_compare_entry *e, bool whole,
-                      size_t bytes, int side, struct gp_kept_entry *to)
+                      const struct gp_compare_row *e, bool whole, size_t bytes,
+                      int side, struct gp_kept_entry *to)
 {
     json_t *const entry = to->entry;
     json_t *const notes = json_object_get(entry, "notes");
@@ -289,8 +286,7 @@ static bool has_room(struct gp_compare_pages *p,
 
 /* Adds pictures and a thumbnail to a new entry, as far as its page has room. */
 static gp_status fill(struct gp_compare_pages *p,
-                      const struct gp_compare_entry *e,
-                      struct gp_kept_entry *new)
+                      const struct gp_compare_row *e, struct gp_kept_entry *new)
 {
     // (a pixel of a thumbnail takes about 3 bytes of text, of 16 x 9; what a
     // picture says of itself up to about ABOUT)
@@ -317,12 +313,11 @@ static gp_status fill(struct gp_compare_pages *p,
 }
 
 gp_status gp_compare_pages_add(struct gp_compare_pages *p,
-                               const struct gp_compare_entry *e)
+                               const struct gp_compare_row *e, json_t *facts)
 {
-    const struct glarepp_compare_facts *const f =
-        e->compare ? glarepp_compare_facts(e->compare) : NULL;
+    const struct glarepp_compare_facts *const f = e->why ? NULL : e->facts;
     struct gp_kept_entry new = {
-        make_entry(p, e),
+        make_entry(p, e, facts),
         e->result,
         !f            ? (double) INFINITY
         : f->has_flip ? f->flip

@@ -9,16 +9,16 @@
 
 #include <jansson.h>
 
-/* A part of a pair and what was found; all is borrowed, but for `facts`, whose
- * reference is taken. */
-struct gp_compare_entry {
+/* A part of a pair of files, and its result; all is borrowed. */
+struct gp_compare_row {
     const char *a, *b; // files
     int frame;         // of a sequence
     int part, parts;
-    int result;    // exit status
-    json_t *facts; // as in --json
-    const struct gp_stored_image *image[2];
-    const struct glarepp_compare *compare; // NULL: there are no pictures
+    int result;      // exit status, at most GP_COMPARE_FILE
+    const char *why; // there are no figures; else NULL
+    const struct gp_stored_image *image[2]; // of the files
+    const struct glarepp_compare *compare;
+    const struct glarepp_compare_facts *facts;
 };
 
 /* A run's pages. Zeroed is none. */
@@ -48,8 +48,10 @@ GP_MUST_CHECK gp_status gp_compare_pages_begin(const struct gp_log *log,
 /* Returns the name of a frame's page, from malloc; of one for all, its own. */
 char *gp_compare_page_name(const struct gp_compare_pages *p, int frame);
 
+/* Adds a row, and its facts as in --json. */
 GP_MUST_CHECK gp_status gp_compare_pages_add(struct gp_compare_pages *p,
-                                             const struct gp_compare_entry *e);
+                                             const struct gp_compare_row *e,
+                                             json_t *facts);
 
 /* Writes the page that ends with a frame; with `last` that of all, or the index. */
 GP_MUST_CHECK gp_status gp_compare_pages_write(struct gp_compare_pages *p,
