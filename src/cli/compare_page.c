@@ -105,14 +105,18 @@ static gp_status about(const struct gp_log *log, const char *name,
 /* The colour of file k; without one in both the first channel of floats, in
  * grey. False: there is none. */
 static bool find_light(const struct gp_compare_row *e, int k,
-                       struct gp_page_light *out, const char **channel)
+                       struct glarepp_image *out, const char **channel)
 {
     const struct glarepp_compare_facts *const f = e->facts;
     const struct gp_stored_image *const m = e->image[k];
-    *out = (struct gp_page_light) {.data = m->data, .luminance = m->luminance};
+    const struct gp_rect d = m->data;
+    *out = (struct glarepp_image) {
+        .data = {d.x0, d.y0, d.x1, d.y1},
+        .primaries = m->chromaticities,
+    };
     *channel = NULL;
     for (int c = 0; c < 3 && f->lit; c++)
-        out->c[c] = m->light[c];
+        out->plane[c] = (void *) (uintptr_t) m->light[c];
     for (int i = 0; i < f->pairs && !f->lit && !*channel; i++) {
         const int at[2] = {f->in_a[i], f->in_b[i]};
         bool whole = false;
@@ -122,9 +126,9 @@ static bool find_light(const struct gp_compare_row *e, int k,
             continue;
         *channel = f->pair[i];
         if (at[k] < 0)
-            out->data = (struct gp_rect) {0, 0, 0, 0};
+            out->data = (struct glarepp_rect) {0, 0, 0, 0};
         for (int c = 0; c < 3 && at[k] >= 0; c++)
-            out->c[c] = m->channel[at[k]].v;
+            out->plane[c] = (void *) (uintptr_t) m->channel[at[k]].v;
     }
     return f->lit || *channel;
 }
@@ -135,7 +139,7 @@ static gp_status make_set(const struct gp_log *log,
 {
     const struct glarepp_compare_facts *const f = e->facts;
     const struct glarepp_rect w = f->window;
-    struct gp_page_light light[2];
+    struct glarepp_image light[2];
     struct glarepp_image map = GLAREPP_IMAGE;
     json_t *text;
     gp_status st = GP_OK;

@@ -209,24 +209,18 @@ static gp_status take_picture(void *user, const struct gp_log *log,
                               const struct glarepp_image *flip)
 {
     struct user *const u = user;
-    const struct glarepp_image *const image[] = {exact, picture};
-    struct gp_page_light light[2];
+    struct glarepp_image base = *exact, shown = *picture;
+    const struct glarepp_rect d = base.data;
     gp_status st = GP_OK;
-    for (int k = 0; k < 2; k++) {
-        const struct glarepp_rect d = image[k]->data;
-        light[k] = (struct gp_page_light) {
-            .data = {d.x0, d.y0, d.x1, d.y1},
-            .c = {image[k]->plane[0], image[k]->plane[1], image[k]->plane[2]},
-        };
-    }
+    base.primaries = shown.primaries = NULL; // as a display has them
     if (!u->set.n) {
-        u->set.window = light[0].data;
+        u->set.window = (struct gp_rect) {d.x0, d.y0, d.x1, d.y1};
         GP_TRY(gp_page_set_add(log, &u->set,
                                json_pack("{ss}", "name", "the exact sum"),
-                               &light[0], NULL, NULL));
+                               &base, NULL, NULL));
     }
     GP_TRY(gp_page_set_add(log, &u->set, about_row(log, u->run.s, row, options),
-                           &light[1], &light[0], flip->plane[0]));
+                           &shown, &base, flip->plane[0]));
 out:
     return st;
 }

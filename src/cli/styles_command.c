@@ -162,10 +162,7 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
     draw_caption(s, left, top, s->caption);
     if (!s->page)
         return GP_OK;
-    const struct gp_page_light light = {
-        .data = f->data,
-        .c = {picture->c[0], picture->c[1], picture->c[2]},
-    };
+    const struct glarepp_image light = gp_frame_view(f, picture);
     s->set.window = f->data;
     return gp_page_set_add(
         log, &s->set,

@@ -60,25 +60,27 @@ void gp_page_set_free(struct gp_page_set *s)
 // -- a picture as halfs ----------------------------------------------------------
 
 /* Row y of a plane in the window: `row` of floats, 0 outside. */
-static void read_row(const struct gp_page_light *l, int c,
+static void read_row(const struct glarepp_image *l, int c,
                      struct gp_rect window, int y, float *row)
 {
-    const struct gp_rect in = gp_rect_meet(l->data, window);
+    const struct gp_rect all = {l->data.x0, l->data.y0, l->data.x1, l->data.y1};
+    const struct gp_rect in = gp_rect_meet(all, window);
     memset(row, 0, (size_t) gp_rect_w(window) * sizeof *row);
     if (y < in.y0 || y >= in.y1 || gp_rect_empty(in))
         return;
-    const size_t at = (size_t) (y - l->data.y0) * (size_t) gp_rect_w(l->data) +
-                      (size_t) (in.x0 - l->data.x0);
-    memcpy(row + (in.x0 - window.x0), l->c[c] + at,
+    const size_t at = (size_t) (y - all.y0) * (size_t) gp_rect_w(all) +
+                      (size_t) (in.x0 - all.x0);
+    memcpy(row + (in.x0 - window.x0), (const float *) l->plane[c] + at,
            (size_t) gp_rect_w(in) * sizeof *row);
 }
 
-static void read_luminance(const struct gp_page_light *l, struct gp_rect window,
+static void read_luminance(const struct glarepp_image *l, struct gp_rect window,
                            int y, float *row, float *sum)
 {
-    const float *const weight =
-        l->luminance ? l->luminance : gp_rec709_luminance;
     const size_t w = (size_t) gp_rect_w(window);
+    float weight[3];
+    gp_luminance_weights(l->primaries ? l->primaries : gp_rec709_chromaticities,
+                         weight);
     memset(sum, 0, w * sizeof *sum);
     for (int c = 0; c < 3; c++) {
         read_row(l, c, window, y, row);
@@ -102,8 +104,8 @@ static uint8_t code_of(double e)
 }
 
 /* The relative error at each pixel: |dY| over Y of a and 1e-6 of its maximum. */
-static void find_relative(const struct gp_page_light *a,
-                          const struct gp_page_light *b, struct gp_rect window,
+static void find_relative(const struct glarepp_image *a,
+                          const struct glarepp_image *b, struct gp_rect window,
                           float *row, uint8_t *to)
 {
     const int w = gp_rect_w(window);
@@ -128,7 +130,7 @@ static void find_relative(const struct gp_page_light *a,
 
 /* Rounds a plane to halfs; counts what that changes: values that a half cannot
  * hold, and those that are no number. */
-static void round_plane(const struct gp_page_light *l, int c,
+static void round_plane(const struct glarepp_image *l, int c,
                         struct gp_rect window, float *row, uint16_t *to,
                         json_int_t count[3])
 {
@@ -160,8 +162,8 @@ static json_t *histogram_of(const uint16_t *half, size_t n)
 }
 
 gp_status gp_page_set_add(const struct gp_log *log, struct gp_page_set *s,
-                          json_t *about, const struct gp_page_light *light,
-                          const struct gp_page_light *base, const float *flip)
+                          json_t *about, const struct glarepp_image *light,
+                          const struct glarepp_image *base, const float *flip)
 {
     struct gp_page_picture *const p = &s->picture[s->n++];
     const size_t w = (size_t) gp_rect_w(s->window);

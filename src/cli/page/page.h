@@ -17,13 +17,6 @@
 
 // -- pictures over each other --------------------------------------------------
 
-/* Colour of a window, linear, rows from the top; 0 elsewhere. Borrowed. */
-struct gp_page_light {
-    struct gp_rect data;
-    const float *c[3];
-    const float *luminance; // weights of c; NULL: BT.709's
-};
-
 /* A picture of a set. All is owned. */
 struct gp_page_picture {
     json_t *about; // its object on the page
@@ -44,15 +37,15 @@ struct gp_page_set {
 };
 void gp_page_set_free(struct gp_page_set *s);
 
-/* Adds a picture, as halfs, rounded to the nearest.
+/* Adds a picture, as halfs, rounded to the nearest; beyond its data it is 0.
  *   about  what the page says of it, at least "name"; its reference is taken
  *   base   the first picture in floats: then the relative error is kept, of
  *          luminance as in max_rel, in codes of 8 bits; NULL: none is
  *   flip   FLIP at each pixel of the window, in [0,1]; NULL: none */
 GP_MUST_CHECK gp_status gp_page_set_add(const struct gp_log *log,
                                         struct gp_page_set *s, json_t *about,
-                                        const struct gp_page_light *light,
-                                        const struct gp_page_light *base,
+                                        const struct glarepp_image *light,
+                                        const struct glarepp_image *base,
                                         const float *flip);
 
 /* Packs a set into at most about `bytes` of JSON: whole, or as averages of
