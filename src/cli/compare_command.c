@@ -510,40 +510,39 @@ static gp_status compare_frame(struct run *r, int frame)
 
 // -- the whole run -----------------------------------------------------------
 
+/* Adds the names of all frames to the guard: as inputs, or as what an option
+ * writes. */
+static gp_status add_names(const struct run *r, struct gp_output_guard *c,
+                           const struct gp_pattern *p, const char *option)
+{
+    gp_status st = GP_OK;
+    for (int i = 0; i < gp_max(r->frames.n, 1) && !st; i++) {
+        char *const name =
+            gp_pattern_name(p, r->frames.n ? r->frames.number[i] : 0, NULL);
+        st = !name    ? gp_no_memory(r->log, p->path)
+             : option ? gp_output_guard_add(c, name, option, p->path, NULL)
+                      : gp_output_guard_input(c, "input", name);
+        free(name);
+    }
+    return st;
+}
+
 /* Checks that no picture replaces a compared file or another output. */
 static gp_status check_names(const struct run *r)
 {
-    gp_status st = GP_OK;
+    static const char *const option[] = {"--heatmap", "--difference"};
     struct gp_output_guard c = {.log = r->log, .s = r->s};
-    char *name = NULL;
-    const int n = gp_max(r->frames.n, 1);
-    for (int i = 0; i < n && r->pages.pattern.len; i++) {
-        name = gp_compare_page_name(&r->pages, r->frames.number[i]);
-        if (!name)
-            GP_TRY(gp_no_memory(r->log, r->s->page.html));
-        GP_TRY(gp_output_guard_add(&c, name, "--html", r->s->page.html, NULL));
-        GP_FREE(name);
+    gp_status st;
+    if (r->pages.pattern.len)
+        GP_TRY(add_names(r, &c, &r->pages.pattern, "--html"));
+    for (int i = 0; i < PICTURES; i++) {
+        if (r->picture[i].path)
+            GP_TRY(add_names(r, &c, &r->picture[i], option[i]));
     }
-    for (int i = 0; i < 4 * n; i++) { // the pictures of all, then the inputs
-        const bool input = i >= 2 * n;
-        const struct gp_pattern *const p = input ? &r->in[i % 2]
-                                                 : &r->picture[i % 2];
-        const int frame = r->frames.n ? r->frames.number[i % (2 * n) / 2] : 0;
-        if (i == 2 * n)
-            GP_TRY(gp_output_guard_settle(&c));
-        if (input ? !c.exists : !p->path)
-            continue;
-        name = gp_pattern_name(p, frame, NULL);
-        if (!name)
-            GP_TRY(gp_no_memory(r->log, p->path));
-        GP_TRY(input ? gp_output_guard_input(&c, "input", name)
-                     : gp_output_guard_add(&c, name, i % 2 ? "--difference"
-                                                           : "--heatmap",
-                                           p->path, NULL));
-        GP_FREE(name);
-    }
+    GP_TRY(gp_output_guard_settle(&c));
+    for (int i = 0; i < 2 && c.exists; i++)
+        GP_TRY(add_names(r, &c, &r->in[i], NULL));
 out:
-    gp_free(name);
     gp_output_guard_end(&c);
     return st;
 }

@@ -357,12 +357,6 @@ out:
 
 // -- pages ------------------------------------------------------------------------
 
-char *gp_compare_page_name(const struct gp_compare_pages *p, int frame)
-{
-    return p->pattern.len ? gp_pattern_name(&p->pattern, frame, NULL)
-                          : strdup(p->s->page.html);
-}
-
 /* The link from an index to a page in its folder or one below; NULL: it is elsewhere. */
 static const char *link_of(const char *index, const char *page)
 {
@@ -385,6 +379,7 @@ gp_status gp_compare_pages_begin(const struct gp_log *log,
         .s = s,
         .sequence = frames > 0,
         .pairs = gp_max(frames, 1),
+        .pattern.path = html,
     };
     if (html && frames > 0)
         GP_TRY(gp_pattern_find(log, html, &out->pattern));
@@ -467,7 +462,7 @@ gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
     char *path = NULL;
     gp_status st = GP_OK;
     if (p->page && (p->pattern.len != 0) != last) {
-        path = gp_compare_page_name(p, frame);
+        path = gp_pattern_name(&p->pattern, frame, NULL);
         if (!path)
             GP_TRY(gp_no_memory(p->log, p->s->page.html));
         if (p->index) {

@@ -25,7 +25,7 @@ struct gp_compare_row {
 struct gp_compare_pages {
     const struct gp_log *log;
     const struct gp_settings *s;
-    struct gp_pattern pattern; // of pages; .len 0: there is one
+    struct gp_pattern pattern; // of --html; .len 0: there is one page
     bool sequence;
     int pairs;                  // that there will be
     json_t *page, *index;       // present ones; NULL: none
@@ -44,9 +44,6 @@ GP_MUST_CHECK gp_status gp_compare_pages_begin(const struct gp_log *log,
                                                const struct gp_settings *s,
                                                int frames,
                                                struct gp_compare_pages *out);
-
-/* Returns the name of a frame's page, from malloc; of one for all, its own. */
-char *gp_compare_page_name(const struct gp_compare_pages *p, int frame);
 
 /* Adds a row, and its facts as in --json. */
 GP_MUST_CHECK gp_status gp_compare_pages_add(struct gp_compare_pages *p,

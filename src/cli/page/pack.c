@@ -363,12 +363,12 @@ static json_t *base64(const uint8_t *from, size_t n)
     return string;
 }
 
-/* Adds the length of packed bytes in base64; sets them as `key` of `to`, if that is
- * one; frees them. */
+/* Sets packed bytes as `key` of `to`, and adds their length in base64; frees
+ * them. */
 static gp_status take(const struct gp_log *log, void *bytes, size_t n,
                       json_t *to, const char *key, size_t *total)
 {
-    const bool lost = to && json_object_set_new(to, key, base64(bytes, n)) != 0;
+    const bool lost = json_object_set_new(to, key, base64(bytes, n)) != 0;
     *total += (n + 2) / 3 * 4;
     gp_free(bytes);
     return lost ? gp_no_memory_bare(log, "page") : GP_OK;
@@ -388,13 +388,11 @@ static gp_status pack_map(struct coder *k, const uint8_t *map, int level,
     return st ? st : take(k->log, bytes, n, to, key, total);
 }
 
-/* Packs all pictures by a plan, into `list` where that is one; *total is the
+/* Packs all pictures by a plan, each into what is said about it; *total is the
  * length of their text. `tries`: finds first which are shorter as differences. */
 static gp_status pack_all(const struct gp_log *log, const struct gp_page_set *s,
-                          struct plan *p, bool tries, json_t *list,
-                          size_t *total)
+                          struct plan *p, bool tries, int level, size_t *total)
 {
-    const int level = list ? SMALL : FAST;
     struct coder k;
     gp_status st;
     *total = 0;
@@ -415,14 +413,11 @@ static gp_status pack_all(const struct gp_log *log, const struct gp_page_set *s,
         const int d = p->delta[i];
         gp_free(bytes[!d]);
         GP_TRY(st);
-        json_t *const to = list ? picture->about : NULL;
+        json_t *const to = picture->about;
         GP_TRY(take(log, bytes[d], n[d], to, "rgb", total));
-        if (to)
-            json_object_set_new(to, "delta", json_boolean(d));
+        json_object_set_new(to, "delta", json_boolean(d));
         GP_TRY(pack_map(&k, picture->relative, level, to, "relative", total));
         GP_TRY(pack_map(&k, picture->flip, level, to, "flip", total));
-        if (list)
-            json_array_append(list, to);
     }
 out:
     end_coder(&k);
@@ -513,7 +508,7 @@ static gp_status fill(const struct gp_log *log, const struct gp_page_set *s,
         p->region = find_region(s, sum, bw, bh, pixels);
         p->n = averages.n +
                (size_t) gp_rect_w(p->region) * (size_t) gp_rect_h(p->region);
-        GP_TRY(pack_all(log, s, p, false, NULL, &total));
+        GP_TRY(pack_all(log, s, p, false, FAST, &total));
         pixels *= 0.9 * ((double) bytes - (double) used) /
                   fmax((double) total - (double) used, 1.0);
     }
@@ -536,7 +531,7 @@ gp_status gp_page_pack(const struct gp_log *log, const struct gp_page_set *s,
     struct plan p =
         plan_of(s, gp_clamp_whole(ceil(sqrt(raw / (20.0 * (double) bytes))), 1,
                                   1 << 20));
-    GP_TRY(pack_all(log, s, &p, true, NULL, &total));
+    GP_TRY(pack_all(log, s, &p, true, FAST, &total));
     while ((double) total > (p.scale == 1 ? (double) bytes : wanted) &&
            p.n > 1) {
         const struct plan before = p;
@@ -545,11 +540,13 @@ gp_status gp_page_pack(const struct gp_log *log, const struct gp_page_set *s,
                                   p.scale * sqrt(0.8 * (double) total / wanted),
                                   1, 1 << 20)));
         memcpy(p.delta, before.delta, sizeof p.delta);
-        GP_TRY(pack_all(log, s, &p, false, NULL, &total));
+        GP_TRY(pack_all(log, s, &p, false, FAST, &total));
     }
     if (p.scale > 1 && total < bytes)
         GP_TRY(fill(log, s, bytes, total, &p));
-    GP_TRY(pack_all(log, s, &p, false, list, &total));
+    GP_TRY(pack_all(log, s, &p, false, SMALL, &total));
+    for (int i = 0; i < s->n; i++)
+        json_array_append(list, s->picture[i].about);
     *out = json_pack("{si si si si si sI s[iiii] sO}", "x", s->window.x0, "y",
                      s->window.y0, "w", (int) w, "h", (int) h, "scale", p.scale,
                      "bytes", (json_int_t) total, "region", p.region.x0,
