@@ -15,30 +15,15 @@ static const double LONG_MS = 6e3;  // a run over this is extrapolated
 static const double ROW_MS = 15e3;  // no further run is started after this
 enum { MANY = 20000 };              // sources from which direct is thinned
 
-/* A frame, and the exact layer that its rows are compared with. */
-struct bench {
-    const struct gp_log *log;
-    struct gp_log errors;        // the same, without advice about the frame
-    const struct gp_bench_request *req;
-    struct glarepp_kernel *kernel;
-    struct gp_frame *f;
-    struct glarepp_frame_params params; // of f
-    bool angles;                        // the truth is by them, not a plane's
-    struct glarepp_plan *plan;   // of the truth
-    struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
-    struct glarepp_sense_facts sense;
-    struct gp_planes shown; // exact composite, tone mapped; empty: no FLIP
-};
-
 /* One technique on the frame. */
 struct trial {
-    struct bench *b;
+    struct gp_bench *b;
     struct glarepp_plan *plan;
     struct gp_log log;           // errors of GL go into row->why
     struct gp_bench_row *row;
-    gp_status st;             // of the runs
-    const struct trial *same; // an earlier one that computes the same
-    double *ms, total;        // of row->runs, owned; of all runs
+    gp_status st;                // of the runs
+    const struct trial *same;    // an earlier one that computes the same
+    struct gp_bench_times times; // of turns; the total has the first run, too
 };
 
 /* A run's time of bright pass and glare, and the sources it had. */
@@ -48,7 +33,7 @@ struct run {
 };
 
 /* A plan by a technique; edges are black: the table is of a kernel's sum. */
-static gp_status make_plan(const struct bench *b,
+static gp_status make_plan(const struct gp_bench *b,
                            const struct gp_bench_technique *t,
                            struct glarepp_plan **out)
 {
@@ -196,7 +181,7 @@ out:
 static gp_status run_first(struct trial *t, const char *engine,
                            struct glarepp_frame **out)
 {
-    const struct bench *const b = t->b;
+    const struct gp_bench *const b = t->b;
     struct gp_bench_row *const row = t->row;
     const long long sources = b->sense.sources;
     // auto chooses what is fast; the work of fft does not grow with the sources
@@ -210,18 +195,17 @@ static gp_status run_first(struct trial *t, const char *engine,
         return st;
     }
     row->extrapolated = false; // faster than that
-    row->runs = 0;
     struct run r;
     st = run_once(t, b->f, &r, out);
-    t->total = row->ms_first = t->ms[0] = r.ms; // the only one if it is long
+    t->times.total = row->ms_first = r.ms;
     return st;
 }
 
 /* Tests whether a trial has a run to come. */
 static bool has_turn(const struct trial *t)
 {
-    return !t->st && !t->same && !t->row->extrapolated && t->total < ROW_MS &&
-           t->row->runs < t->b->req->params->runs;
+    return !t->st && !t->same && !t->row->extrapolated &&
+           t->times.total < ROW_MS && t->times.n < t->b->req->params->runs;
 }
 
 /* Runs a trial once more; one that has no further turn gives back its memory. */
@@ -230,7 +214,7 @@ static void take_turn(struct trial *t)
     struct run r;
     if (has_turn(t)) {
         t->st = run_once(t, t->b->f, &r, NULL);
-        t->total += t->ms[t->row->runs++] = r.ms;
+        gp_bench_time(&t->times, r.ms);
     }
     if (!has_turn(t))
         glarepp_plan_end(&t->plan);
@@ -247,10 +231,10 @@ static void end_runs(struct trial *t)
         row->ms_min = t->same->row->ms_min;
         row->ms_max = t->same->row->ms_max;
     } else if (!t->st && !row->extrapolated) {
-        row->runs = row->runs > 0 ? row->runs : 1;
-        row->ms = gp_bench_median(t->ms, row->runs);
-        row->ms_min = t->ms[0];
-        row->ms_max = t->ms[row->runs - 1];
+        if (!t->times.n)
+            gp_bench_time(&t->times, row->ms_first); // the only one: it is long
+        row->runs = t->times.n;
+        row->ms = gp_bench_spread(&t->times, &row->ms_min, &row->ms_max);
     }
 }
 
@@ -269,7 +253,7 @@ out:
 }
 
 /* Measures a technique's layer against the sum in double. */
-static gp_status measure_error(const struct bench *b,
+static gp_status measure_error(const struct gp_bench *b,
                                struct glarepp_frame *frame,
                                struct gp_bench_row *row)
 {
@@ -300,32 +284,26 @@ out:
 }
 
 /* Makes a technique's plan, runs it once, and measures its error. */
-static gp_status begin_trial(struct bench *b,
-                             const struct gp_bench_technique *technique,
-                             struct trial *t)
+static void begin_trial(struct gp_bench *b,
+                        const struct gp_bench_technique *technique,
+                        struct trial *t)
 {
     struct gp_bench_row *const row = t->row;
     struct glarepp_frame *frame = NULL;
-    gp_status st = gp_alloc(b->log, "times", (size_t) b->req->params->runs + 1,
-                            sizeof *t->ms, &t->ms);
-    if (st)
-        return st;
-    st = make_plan(b, technique, &t->plan);
-    if (!st)
-        st = run_first(t, technique->engine, &frame);
-    if (!st && frame) {
+    t->st = make_plan(b, technique, &t->plan);
+    if (!t->st)
+        t->st = run_first(t, technique->engine, &frame);
+    if (!t->st && frame) {
         row->polygons = (double) row->facts.polygons;
         row->polygon_pixels = row->facts.polygon_pixels;
         // no plane bounds what it is off true angles
         if (!b->angles || technique->follows)
             row->bound = row->facts.bound;
-        st = measure_error(b, frame, row);
+        t->st = measure_error(b, frame, row);
     }
     // the renderer's name goes with its context
     snprintf(row->gl, sizeof row->gl, "%s", row->facts.gl ? row->facts.gl : "");
     glarepp_frame_end(&frame);
-    t->st = st;
-    return GP_OK;
 }
 
 /* Tests whether a row of `auto` is a computation that another row has, too. */
@@ -364,7 +342,7 @@ static gp_status end_trial(struct trial *t)
 
 /* Measures n techniques, of which each run of one is followed by one of the next;
  * their rows are named. */
-static gp_status run_techniques(struct bench *b,
+static gp_status run_techniques(struct gp_bench *b,
                                 const struct gp_bench_technique *technique,
                                 int n, struct gp_bench_row *row)
 {
@@ -377,7 +355,7 @@ static gp_status run_techniques(struct bench *b,
             .row = &row[i],
             .log = {gp_bench_keep_why, row[i].why, GP_LEVEL_ERROR},
         };
-        GP_TRY(begin_trial(b, &technique[i], t));
+        begin_trial(b, &technique[i], t);
         for (int k = 0; k < i && strcmp(technique[i].engine, "auto") == 0;
              k++) {
             if (!t->same && !t->st && is_same(&row[k], &row[i]))
@@ -389,10 +367,8 @@ static gp_status run_techniques(struct bench *b,
     for (int i = 0; i < n; i++)
         GP_TRY(end_trial(&trial[i]));
 out:
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         glarepp_plan_end(&trial[i].plan);
-        gp_free(trial[i].ms);
-    }
     return st;
 }
 
@@ -400,7 +376,7 @@ out:
 
 /* Finds the sources and the sum in double, and shows its composite; or the layer's,
  * where the sum may be of a sample. */
-static gp_status make_truth(struct bench *b)
+static gp_status make_truth(struct gp_bench *b)
 {
     const size_t n = gp_frame_pixels(b->f);
     struct glarepp_image view;
@@ -436,7 +412,7 @@ out:
     return st;
 }
 
-static void end_truth(struct bench *b)
+static void end_truth(struct gp_bench *b)
 {
     glarepp_frame_end(&b->truth);
     glarepp_plan_end(&b->plan);
@@ -444,7 +420,7 @@ static void end_truth(struct bench *b)
 }
 
 /* Measures all techniques on a frame into *out, in their order. */
-static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
+static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
 {
     const struct glarepp_plan_params *const plan = b->req->plan;
     struct gp_bench_technique technique[GP_BENCH_ROWS];
@@ -485,8 +461,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
     }
     if (b->sense.sources)
         GP_TRY(run_techniques(b, technique, out->rows, out->row));
-    GP_TRY(gp_bench_extras(b->log, b->req, b->kernel, &b->params,
-                           b->sense.sources > 0, out));
+    GP_TRY(gp_bench_extras(b, out));
     gp_bench_mark_pareto(out);
 out:
     end_truth(b);
@@ -494,7 +469,7 @@ out:
 }
 
 /* Makes the kernel given, else the paper's own. */
-static gp_status make_kernel(struct bench *b, bool own)
+static gp_status make_kernel(struct gp_bench *b, bool own)
 {
     struct glarepp_kernel_params p = *b->req->kernel;
     struct glarepp_image view;
@@ -539,9 +514,11 @@ gp_status gp_bench_run(const struct gp_log *log,
     const struct gp_bench_params *const p = req->params;
     const bool paper = p->paper, own = paper && req->default_kernel;
     struct gp_frame f = {0};
-    struct bench b = {
-        .log = log, .errors = {log->sink, log->user, GP_LEVEL_ERROR},
-        .req = req, .f = &f,
+    struct gp_bench b = {
+        .log = log,
+        .errors = {log->sink, log->user, GP_LEVEL_ERROR},
+        .req = req,
+        .f = &f,
     };
     struct gp_bench_table table = {.runs = p->runs};
     GP_TRY(check_outputs(log, p));
@@ -566,8 +543,7 @@ gp_status gp_bench_run(const struct gp_log *log,
             GP_TRY(gp_no_memory(log, f.path));
         GP_TRY(measure_frame(&b, out));
         if (!paper)
-            GP_TRY(gp_bench_whole_run(log, req, b.kernel, &f, &b.params,
-                                      &out->whole));
+            GP_TRY(gp_bench_whole_run(&b, &out->whole));
         if (p->page)
             GP_TRY(req->table(req->user, log, gp_bench_json_frame(out)));
         gp_frame_free(&f);

@@ -99,13 +99,14 @@ extern const double gp_bench_within[GP_BENCH_WITHIN];
 /* The row's error by measure `by`; NaN: not known. */
 double gp_bench_error(const struct gp_bench_row *r, int by);
 
+enum { GP_BENCH_OUTPUTS = 11 + GP_PNG_LEVELS + 1 }; // of EXR, of PNG
+
 /* A way to write the frame. */
 struct gp_bench_output {
     const char *format; // "EXR", "EXR, lossy", "PNG"
     char options[40];
     enum gp_compression compression; // of EXR
     int png_level;
-    double *ms, total; // of `runs`, and of all; scratch
     double median, least, most;
     int runs; // fewer than asked for where they are long
     long long bytes;
@@ -118,7 +119,7 @@ struct gp_bench_output {
 struct gp_bench_whole {
     double read_ms;           // NaN: a pipe
     double glare_ms, tone_ms; // bright pass to layer; compose and tone map
-    struct gp_bench_output output[11 + GP_PNG_LEVELS + 1];
+    struct gp_bench_output output[GP_BENCH_OUTPUTS];
     int outputs; // 0: not measured
 };
 
@@ -151,8 +152,15 @@ void gp_bench_table_free(struct gp_bench_table *t);
  * slower than the other's median. Finds the choices, too. */
 void gp_bench_mark_pareto(struct gp_bench_frame *f);
 
-/* The median of n values, which are sorted; n >= 1. */
-double gp_bench_median(double *v, int n);
+/* Times of runs in milliseconds. Zeroed is none. */
+struct gp_bench_times {
+    double ms[GP_BENCH_RUNS], total;
+    int n;
+};
+void gp_bench_time(struct gp_bench_times *t, double ms);
+
+/* Sorts at least one time; returns the median. */
+double gp_bench_spread(struct gp_bench_times *t, double *least, double *most);
 
 /* A cell of a table: text, a number, or nothing. CSV and JSON have the same. */
 struct gp_bench_cell {
@@ -181,6 +189,21 @@ GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
 
 // -- bench.c -----------------------------------------------------------------
 
+/* A frame, and the exact layer that its rows are compared with. */
+struct gp_bench {
+    const struct gp_log *log;
+    struct gp_log errors; // the same, without advice about the frame
+    const struct gp_bench_request *req;
+    struct glarepp_kernel *kernel;
+    struct gp_frame *f;
+    struct glarepp_frame_params params; // of f, with its image
+    bool angles;                 // the truth is by true angles, not a plane's
+    struct glarepp_plan *plan;   // of the truth
+    struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
+    struct glarepp_sense_facts sense;
+    struct gp_planes shown; // exact composite, tone mapped; empty: no FLIP
+};
+
 /* For extrapolating: makes *out a frame with the same light in one of `nth` of
  * its 32x32 pixel blocks, evenly spread, and no light at all elsewhere.
  *   out  only rgb; free with gp_frame_free()
@@ -204,12 +227,9 @@ GP_MUST_CHECK gp_status gp_bench_compare(struct glarepp *gp,
                                          struct glarepp_image *map);
 
 /* Adds the rows of flare and lens that the job has to out->row; dark frames' say
- * so.
- *   params  with the frame's image, which is not changed */
-GP_MUST_CHECK gp_status gp_bench_extras(
-    const struct gp_log *log, const struct gp_bench_request *req,
-    struct glarepp_kernel *kernel, const struct glarepp_frame_params *params,
-    bool lit, struct gp_bench_frame *out);
+ * so. */
+GP_MUST_CHECK gp_status gp_bench_extras(const struct gp_bench *b,
+                                        struct gp_bench_frame *out);
 
 // -- whole.c -------------------------------------------------------------------
 
@@ -217,10 +237,8 @@ GP_MUST_CHECK gp_status gp_bench_extras(
  * to a folder in $TMPDIR, else /tmp. Without lights, lens and scene.
  * Errors: those of reading and computing; GP_ERR_IO no such folder. An output that
  * cannot be written says why. */
-GP_MUST_CHECK gp_status gp_bench_whole_run(
-    const struct gp_log *log, const struct gp_bench_request *req,
-    struct glarepp_kernel *kernel, const struct gp_frame *f,
-    const struct glarepp_frame_params *params, struct gp_bench_whole *out);
+GP_MUST_CHECK gp_status gp_bench_whole_run(const struct gp_bench *b,
+                                           struct gp_bench_whole *out);
 
 // -- sun.c -------------------------------------------------------------------
 

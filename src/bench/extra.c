@@ -4,20 +4,11 @@
 #include "bench/bench_priv.h"
 
 #include "core/clock.h"
-#include "core/memory.h"
 
 #include <math.h>
 #include <stdio.h>
 
 static const double ROW_MS = 15e3; // no further run is started after this
-
-/* A frame, and the plan that its layers are made by. */
-struct measured {
-    const struct gp_log *log;
-    const struct gp_bench_request *req;
-    struct glarepp_kernel *kernel;
-    const struct glarepp_frame_params *params; // with its image
-};
 
 gp_status gp_bench_compare(struct glarepp *gp,
                            const struct glarepp_image *exact,
@@ -69,7 +60,7 @@ static const struct extra {
 enum { EXTRAS = sizeof extras / sizeof *extras };
 
 /* Makes the plan of an extra layer, or of its truth. */
-static gp_status plan_extra(const struct measured *b, const struct extra *e,
+static gp_status plan_extra(const struct gp_bench *b, const struct extra *e,
                             bool exact, struct glarepp_plan **out)
 {
     struct glarepp_plan_params p = *b->req->plan;
@@ -92,12 +83,12 @@ static gp_status plan_extra(const struct measured *b, const struct extra *e,
 }
 
 /* Draws one; *ms is the time of the step. */
-static gp_status draw_extra(const struct measured *b, const struct extra *e,
+static gp_status draw_extra(const struct gp_bench *b, const struct extra *e,
                             struct glarepp_plan *plan,
                             struct glarepp_frame **out, double *ms)
 {
     gp_status st;
-    GP_TRY(glarepp_frame(plan, b->params, out));
+    GP_TRY(glarepp_frame(plan, &b->params, out));
     GP_TRY(glarepp_frame_run(*out, GLAREPP_SENSE));
     const double start = gp_now_ms();
     GP_TRY(glarepp_frame_run(*out, e->step));
@@ -108,7 +99,7 @@ out:
 }
 
 /* Measures layers against exact ones, and composites, if light is added. */
-static gp_status compare_extra(const struct measured *b,
+static gp_status compare_extra(const struct gp_bench *b,
                                struct glarepp_frame *frame[2],
                                struct glarepp_errors *out)
 {
@@ -131,33 +122,26 @@ out:
     return st;
 }
 
-static gp_status run_extra(const struct measured *b, const struct extra *e,
+static gp_status run_extra(const struct gp_bench *b, const struct extra *e,
                            struct gp_bench_row *row)
 {
     struct glarepp_plan *plan[2] = {NULL, NULL};
     struct glarepp_frame *frame[2] = {NULL, NULL};
-    double took, total = 0.0, *ms = NULL;
-    int runs = 0;
+    struct gp_bench_times times = {.n = 0};
+    double took;
     gp_status st;
-    GP_TRY(gp_alloc(b->log, "times", (size_t) b->req->params->runs, sizeof *ms,
-                    &ms));
     for (int k = 0; k < 2; k++)
         GP_TRY(plan_extra(b, e, k == 1, &plan[k]));
     GP_TRY(draw_extra(b, e, plan[1], &frame[1], &took));
-    for (int i = 0; i <= b->req->params->runs && (i < 2 || total < ROW_MS);
-         i++) {
+    GP_TRY(draw_extra(b, e, plan[0], &frame[0], &row->ms_first));
+    do {
         glarepp_frame_end(&frame[0]);
         GP_TRY(draw_extra(b, e, plan[0], &frame[0], &took));
-        total += took;
-        if (i == 0)
-            row->ms_first = took;
-        else
-            ms[runs++] = took;
-    }
-    row->runs = runs;
-    row->ms = gp_bench_median(ms, runs);
-    row->ms_min = ms[0];
-    row->ms_max = ms[runs - 1];
+        gp_bench_time(&times, took);
+    } while (times.n < b->req->params->runs &&
+             row->ms_first + times.total < ROW_MS);
+    row->runs = times.n;
+    row->ms = gp_bench_spread(&times, &row->ms_min, &row->ms_max);
     row->bound = e->step == GLAREPP_FLARE
                      ? glarepp_frame_facts(frame[0])->flare.bound
                      : (double) NAN;
@@ -166,7 +150,6 @@ static gp_status run_extra(const struct measured *b, const struct extra *e,
     gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
            row->ms, row->error.rel_l2);
 out:
-    gp_free(ms);
     for (int k = 0; k < 2; k++) {
         glarepp_frame_end(&frame[k]);
         glarepp_plan_end(&plan[k]);
@@ -174,14 +157,9 @@ out:
     return st;
 }
 
-gp_status gp_bench_extras(const struct gp_log *log,
-                          const struct gp_bench_request *req,
-                          struct glarepp_kernel *kernel,
-                          const struct glarepp_frame_params *params, bool lit,
-                          struct gp_bench_frame *out)
+gp_status gp_bench_extras(const struct gp_bench *b, struct gp_bench_frame *out)
 {
-    const struct glarepp_plan_params *const plan = req->plan;
-    const struct measured b = {log, req, kernel, params};
+    const struct glarepp_plan_params *const plan = b->req->plan;
     gp_status st = GP_OK;
     for (int i = 0; i < EXTRAS; i++) {
         const struct extra *const e = &extras[i];
@@ -199,10 +177,10 @@ gp_status gp_bench_extras(const struct gp_log *log,
             .why = "no pixel is over the threshold",
         };
         snprintf(row->options, sizeof row->options, "%s", e->options);
-        if (!lit)
+        if (!b->sense.sources)
             continue;
         row->why[0] = '\0';
-        GP_TRY(run_extra(&b, e, row));
+        GP_TRY(run_extra(b, e, row));
     }
 out:
     return st;

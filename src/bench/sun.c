@@ -30,7 +30,7 @@ struct bench {
     struct glarepp_share light; // the first, and
     int lights;                 // their number
     double *exact;         // visibility of each light
-    double *ms;            // runs
+    struct gp_bench_times times; // of the present row
     char gl[160];
     struct row row[ROWS];
 };
@@ -80,33 +80,23 @@ out:
     return st;
 }
 
-/* The median of some runs. b->ms holds them sorted. */
-static gp_status time_runs(struct bench *b, struct glarepp_frame *frame,
-                           int runs, double *ms)
-{
-    gp_status st = GP_OK;
-    for (int run = 0; run < runs && !st; run++) {
-        const double start = gp_now_ms();
-        st = (gp_status) glarepp_frame_run(frame, GLAREPP_SHARES);
-        b->ms[run] = gp_now_ms() - start;
-    }
-    if (!st)
-        *ms = gp_bench_median(b->ms, runs);
-    return st;
-}
-
 static gp_status measure_row(struct bench *b, struct row *r)
 {
     const struct gp_log log = {gp_bench_keep_why, r->why, GP_LEVEL_ERROR};
     struct glarepp_plan *plan = NULL;
     struct glarepp_frame *frame = NULL;
     gp_status st;
-    const int runs = b->req->params->runs;
     GP_TRY(begin_row(b, &log, r, &plan, &frame));
-    GP_TRY(time_runs(b, frame, 1, &r->first));
-    GP_TRY(time_runs(b, frame, runs, &r->ms));
-    r->least = b->ms[0];
-    r->most = b->ms[runs - 1];
+    b->times.n = 0;
+    for (int run = 0; run <= b->req->params->runs; run++) {
+        const double start = gp_now_ms();
+        GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_SHARES));
+        if (run)
+            gp_bench_time(&b->times, gp_now_ms() - start);
+        else
+            r->first = gp_now_ms() - start;
+    }
+    r->ms = gp_bench_spread(&b->times, &r->least, &r->most);
     const struct glarepp_facts *const facts = glarepp_frame_facts(frame);
     r->visibility = facts->lights ? facts->light[0].visibility : 0.0;
     for (int i = 0; i < b->lights; i++) {
@@ -245,7 +235,6 @@ gp_status gp_bench_sun(const struct gp_log *log,
                lights->file ? lights->file : lights->cameras));
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.lights + 1, sizeof *b.exact,
                          &b.exact));
-    GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms, &b.ms));
     for (int i = 0; i < ROWS; i++)
         GP_TRY(measure_row(&b, &b.row[i]));
     if (p->csv)
@@ -259,6 +248,5 @@ gp_status gp_bench_sun(const struct gp_log *log,
 out:
     gp_frame_free(&b.frame);
     gp_free(b.exact);
-    gp_free(b.ms);
     return st;
 }

@@ -102,10 +102,18 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-double gp_bench_median(double *v, int n)
+void gp_bench_time(struct gp_bench_times *t, double ms)
 {
-    qsort(v, (size_t) n, sizeof *v, by_value);
-    return 0.5 * (v[(n - 1) / 2] + v[n / 2]);
+    t->ms[t->n++] = ms;
+    t->total += ms;
+}
+
+double gp_bench_spread(struct gp_bench_times *t, double *least, double *most)
+{
+    qsort(t->ms, (size_t) t->n, sizeof *t->ms, by_value);
+    *least = t->ms[0];
+    *most = t->ms[t->n - 1];
+    return 0.5 * (t->ms[(t->n - 1) / 2] + t->ms[t->n / 2]);
 }
 
 /* A number of a column, or "-" where it is not known. */

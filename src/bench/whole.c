@@ -24,13 +24,12 @@ enum { STEPS = 3 };
 
 /* A frame that is written again and again. */
 struct whole {
-    const struct gp_log *log;
-    const struct gp_bench_request *req;
-    const struct gp_frame *f;
+    const struct gp_bench *b;
     struct glarepp_frame *frame;
     char folder[200]; // of a file that is written again and again
     struct gp_write_params p;
     struct gp_bench_whole *out;
+    struct gp_bench_times steps[3], times[GP_BENCH_OUTPUTS];
 };
 
 /* Lists the ways to write: of EXR the job's own first. */
@@ -79,9 +78,10 @@ static gp_status write_once(const struct whole *w, struct gp_bench_output *o,
     snprintf(path, sizeof path, "%s/o.%s", w->folder, exr ? "exr" : "png");
     const double start = gp_now_ms();
     st = exr ? gp_write_hdr(&log, &p, path,
-                            &(struct gp_hdr_colour) {w->f, &planes}, 1, &stats)
-             : gp_write_picture(&log, &p, path, w->f, &planes, GP_PICTURE_SHOWN,
-                                &stats);
+                            &(struct gp_hdr_colour) {w->b->f, &planes}, 1,
+                            &stats)
+             : gp_write_picture(&log, &p, path, w->b->f, &planes,
+                                GP_PICTURE_SHOWN, &stats);
     *ms = gp_now_ms() - start;
     if (!st && stat(path, &file) == 0)
         o->bytes = (long long) file.st_size;
@@ -108,13 +108,14 @@ static gp_status run_steps(const struct whole *w, const enum glarepp_step *step,
 static gp_status read_once(const struct whole *w, double *ms)
 {
     struct gp_frame f = {0};
-    const struct gp_log log = {w->log->sink, w->log->user, GP_LEVEL_ERROR};
-    if (strcmp(w->req->input, "-") == 0) {
+    const struct gp_bench_request *const req = w->b->req;
+    if (strcmp(req->input, "-") == 0) {
         *ms = NAN;
         return GP_OK;
     }
     const double start = gp_now_ms();
-    const gp_status st = gp_read_frame(&log, w->req->read, w->req->input, &f);
+    const gp_status st =
+        gp_read_frame(&w->b->errors, req->read, req->input, &f);
     *ms = gp_now_ms() - start;
     gp_frame_free(&f);
     return st;
@@ -123,27 +124,21 @@ static gp_status read_once(const struct whole *w, double *ms)
 /* One round: a frame is read, computed, and written in all ways whose time is not
  * over. The first round makes what later frames keep, and counts for none. */
 static gp_status run_round(struct whole *w, struct glarepp_plan *plan,
-                           const struct glarepp_frame_params *params, int round,
-                           double *steps[3])
+                           int round)
 {
     gp_status st;
-    double ms[3];
-    struct glarepp_frame_params p = *params;
-    p.image = gp_frame_view(w->f, &w->f->rgb);
-    p.user = (void *) (uintptr_t) &
-             (struct gp_log) {w->log->sink, w->log->user, GP_LEVEL_ERROR};
+    double ms[3], took;
     GP_TRY(read_once(w, &ms[0]));
-    GP_TRY((gp_status) glarepp_frame(plan, &p, &w->frame));
+    GP_TRY((gp_status) glarepp_frame(plan, &w->b->params, &w->frame));
     GP_TRY(run_steps(w, glare, &ms[1]));
     GP_TRY(run_steps(w, tone, &ms[2]));
     for (int i = 0; i < 3 && round > 0; i++)
-        steps[i][round - 1] = ms[i];
+        gp_bench_time(&w->steps[i], ms[i]);
     for (int i = 0; i < w->out->outputs && round > 0; i++) {
         struct gp_bench_output *const o = &w->out->output[i];
-        if (o->why[0] || o->total >= OUTPUT_MS ||
-            write_once(w, o, &o->ms[o->runs]))
-            continue;
-        o->total += o->ms[o->runs++];
+        if (!o->why[0] && w->times[i].total < OUTPUT_MS &&
+            !write_once(w, o, &took))
+            gp_bench_time(&w->times[i], took);
     }
 out:
     glarepp_frame_end(&w->frame);
@@ -152,16 +147,15 @@ out:
 
 /* Finds medians, the job's own compression (`auto` writes the same bytes), and the
  * front of each format. */
-static void end_outputs(struct gp_bench_whole *out)
+static void end_outputs(struct whole *w)
 {
+    struct gp_bench_whole *const out = w->out;
     struct gp_bench_output *const o = out->output;
     for (int i = 0; i < out->outputs; i++) {
-        if (o[i].runs) {
-            o[i].median = gp_bench_median(o[i].ms, o[i].runs);
-            o[i].least = o[i].ms[0];
-            o[i].most = o[i].ms[o[i].runs - 1];
-        }
-        GP_FREE(o[i].ms);
+        o[i].runs = w->times[i].n;
+        if (o[i].runs)
+            o[i].median =
+                gp_bench_spread(&w->times[i], &o[i].least, &o[i].most);
     }
     for (int i = 1; i < out->outputs && o[i].compression <= GP_COMPRESSION_PIZ;
          i++) {
@@ -180,53 +174,39 @@ static void end_outputs(struct gp_bench_whole *out)
     }
 }
 
-gp_status gp_bench_whole_run(const struct gp_log *log,
-                             const struct gp_bench_request *req,
-                             struct glarepp_kernel *kernel,
-                             const struct gp_frame *f,
-                             const struct glarepp_frame_params *params,
+gp_status gp_bench_whole_run(const struct gp_bench *b,
                              struct gp_bench_whole *out)
 {
     gp_status st;
-    struct glarepp_plan_params p = *req->plan;
+    struct glarepp_plan_params p = *b->req->plan;
     struct glarepp_plan *plan = NULL;
-    double *steps[3] = {NULL};
-    const int runs = req->params->runs;
-    struct whole w = {
-        .log = log, .req = req, .f = f, .p = *req->write, .out = out};
+    double least, most;
+    struct whole w = {.b = b, .p = *b->req->write, .out = out};
     bool made = false;
-    p.kernel = kernel;
+    p.kernel = b->kernel;
     p.lights = NULL;
     p.lens = NULL;
     p.scene = NULL;
     list_outputs(&w);
-    for (int i = 0; i < 3; i++)
-        GP_TRY(
-            gp_alloc(log, "times", (size_t) runs, sizeof **steps, &steps[i]));
-    for (int i = 0; i < out->outputs; i++)
-        GP_TRY(gp_alloc(log, "times", (size_t) runs, sizeof(double),
-                        &out->output[i].ms));
     const char *const tmp = getenv("TMPDIR");
     const int n = snprintf(w.folder, sizeof w.folder, "%s/glarepp-XXXXXX",
                            tmp && tmp[0] ? tmp : "/tmp");
     made = n < (int) sizeof w.folder && mkdtemp(w.folder);
     if (!made)
-        GP_TRY(gp_fail(log, GP_ERR_IO,
+        GP_TRY(gp_fail(b->log, GP_ERR_IO,
                        "%s: cannot make a folder for outputs (%s);"
                        " set TMPDIR",
                        w.folder, strerror(errno)));
-    GP_TRY((gp_status) glarepp_plan(req->gp, &p, &plan));
-    for (int i = 0; i <= runs; i++)
-        GP_TRY(run_round(&w, plan, params, i, steps));
-    out->read_ms = gp_bench_median(steps[0], runs);
-    out->glare_ms = gp_bench_median(steps[1], runs);
-    out->tone_ms = gp_bench_median(steps[2], runs);
+    GP_TRY((gp_status) glarepp_plan(b->req->gp, &p, &plan));
+    for (int i = 0; i <= b->req->params->runs; i++)
+        GP_TRY(run_round(&w, plan, i));
+    out->read_ms = gp_bench_spread(&w.steps[0], &least, &most);
+    out->glare_ms = gp_bench_spread(&w.steps[1], &least, &most);
+    out->tone_ms = gp_bench_spread(&w.steps[2], &least, &most);
 out:
-    end_outputs(out);
+    end_outputs(&w);
     if (made)
         (void) rmdir(w.folder);
-    for (int i = 0; i < 3; i++)
-        gp_free(steps[i]);
     glarepp_plan_end(&plan);
     return st;
 }

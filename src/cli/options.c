@@ -559,7 +559,7 @@ const struct gp_option gp_options[] = {
         "paper's: few points, windows, and a sky that fills the frame"),
     OPT(bench.runs, .name = "runs", .group = GP_GROUP_REPORT,
         .commands = GP_COMMAND_BENCH | GP_COMMAND_SETS, .arg = "N", .lo = 1,
-        .hi = 1000, .help = "bench: time each row N times; the table has the "
+        .hi = GP_BENCH_RUNS, .help = "bench: time each row N times; the table has the "
         "median; sets: the fastest, of 3 without it"),
 
     // idiff's, which may be written with one dash
