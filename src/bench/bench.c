@@ -419,6 +419,18 @@ static void end_truth(struct gp_bench *b)
     gp_planes_free(&b->shown);
 }
 
+struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
+                                      const char *name, const char *layer,
+                                      struct gp_bench_frame *out)
+{
+    struct gp_bench_row *const row = &out->row[out->rows++];
+    *row = (struct gp_bench_row) {
+        .name = name, .layer = layer, .bound = NAN, .flip = NAN};
+    if (!b->sense.sources)
+        strcpy(row->why, "no pixel is over the threshold");
+    return row;
+}
+
 /* Measures all techniques on a frame into *out, in their order. */
 static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
 {
@@ -435,27 +447,19 @@ static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
     out->kernel_w = kernel->w;
     out->kernel_h = kernel->h;
     out->kernel_left_out = kernel->modelled ? kernel->left_out : (double) NAN;
-    for (const struct gp_bench_technique *t = gp_bench_techniques; t->name;
-         t++) {
+    const struct gp_bench_technique *t = gp_bench_techniques;
+    for (; t->name; t++) {
         if (strcmp(t->name, "levels") == 0 && !b->angles)
             continue;
-        struct gp_bench_row *const row = &out->row[out->rows];
-        technique[out->rows++] = *t;
-        *row = (struct gp_bench_row) {
-            .name = t->name,
-            .share = 1.0,
-            .bound = NAN,
-            .flip = NAN,
-            .why = "no pixel is over the threshold",
-        };
+        // the layer by the kernel's core and its far field is auto's
+        const bool whole = (kernel->grid || b->angles) &&
+                           strcmp(t->engine, "direct") == 0;
+        technique[out->rows] = *t;
+        struct gp_bench_row *const row = gp_bench_row_add(
+            b, whole ? "direct, whole kernel" : t->name, NULL, out);
         gp_bench_options(t, plan->layer->tolerance, b->angles, row->options,
                          sizeof row->options);
-        // the layer by the kernel's core and its far field is auto's
-        if ((kernel->grid || b->angles) && strcmp(t->engine, "direct") == 0)
-            row->name = "direct, whole kernel";
-        if (b->sense.sources)
-            row->why[0] = '\0';
-        else
+        if (row->why[0])
             gp_say(b->log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name,
                    row->why);
     }

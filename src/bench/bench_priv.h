@@ -74,7 +74,7 @@ struct gp_bench_row {
     double ms, ms_min, ms_max; // median and range of `runs` with state kept
     double ms_first;           // of the first run, which makes the state
     int runs;
-    bool extrapolated;         // from `share` of the sources; ms_min = ms_max
+    bool extrapolated; // of `share` of the sources; ms_min = ms_max
     double share;
 
     struct glarepp_layer_facts facts; // its gl is `gl`
@@ -203,6 +203,12 @@ struct gp_bench {
     struct glarepp_sense_facts sense;
     struct gp_planes shown; // exact composite, tone mapped; empty: no FLIP
 };
+
+/* Adds a row, which says so where the frame is dark.
+ *   layer  as in struct gp_bench_row */
+struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
+                                      const char *name, const char *layer,
+                                      struct gp_bench_frame *out);
 
 /* For extrapolating: makes *out a frame with the same light in one of `nth` of
  * its 32x32 pixel blocks, evenly spread, and no light at all elsewhere.

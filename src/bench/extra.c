@@ -163,24 +163,14 @@ gp_status gp_bench_extras(const struct gp_bench *b, struct gp_bench_frame *out)
     gp_status st = GP_OK;
     for (int i = 0; i < EXTRAS; i++) {
         const struct extra *const e = &extras[i];
-        struct gp_bench_row *const row = &out->row[out->rows];
         if (e->step == GLAREPP_FLARE ? !plan->lights || !plan->lights->flare
                                      : !plan->lens || !plan->lens->lens)
             continue;
-        out->rows++;
-        *row = (struct gp_bench_row) {
-            .name = e->name,
-            .layer = e->layer,
-            .share = 1.0,
-            .bound = NAN,
-            .flip = NAN,
-            .why = "no pixel is over the threshold",
-        };
+        struct gp_bench_row *const row =
+            gp_bench_row_add(b, e->name, e->layer, out);
         snprintf(row->options, sizeof row->options, "%s", e->options);
-        if (!b->sense.sources)
-            continue;
-        row->why[0] = '\0';
-        GP_TRY(run_extra(b, e, row));
+        if (b->sense.sources)
+            GP_TRY(run_extra(b, e, row));
     }
 out:
     return st;
