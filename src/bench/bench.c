@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static const double LONG_MS = 6e3;  // a run over this is extrapolated
 static const double ROW_MS = 15e3;  // no further run is started after this
@@ -497,18 +496,21 @@ static gp_status check_outputs(const struct gp_log *log,
                                const struct gp_bench_params *p)
 {
     const char *const files[] = {p->csv, p->json, p->plot, p->page};
-    const size_t n = p->plot ? strlen(p->plot) : 0;
+    char ending[8] = "svg";
+    if (p->plot && !gp_is_dash(p->plot))
+        gp_file_ending(p->plot, ending, sizeof ending);
     for (int i = 0; i < 4; i++) {
         const gp_status st = files[i] && !gp_is_dash(files[i])
                                  ? gp_file_check(log, files[i], false) : GP_OK;
         if (st)
             return st;
     }
-    return !p->plot || gp_is_dash(p->plot) ||
-                   (n >= 4 && strcasecmp(p->plot + n - 4, ".svg") == 0)
+    return strcmp(ending, "svg") == 0
                ? GP_OK
-               : gp_fail(log, GP_ERR_USAGE, "%s: the plot is an SVG; give a name "
-                         "that ends in .svg", p->plot);
+               : gp_fail(log, GP_ERR_USAGE,
+                         "%s: the plot is an SVG; give a name "
+                         "that ends in .svg",
+                         p->plot);
 }
 
 gp_status gp_bench_run(const struct gp_log *log,
@@ -540,11 +542,9 @@ gp_status gp_bench_run(const struct gp_log *log,
                      : gp_read_frame(log, req->read, req->input, &f));
         b.params = paper ? (struct glarepp_frame_params) GLAREPP_FRAME_PARAMS
                          : req->describe(req->user, &f);
-        out->input = gp_strdup(f.path);
-        out->kernel = gp_strdup(own ? "streaks" : req->kernel_name);
+        out->input = paper ? gp_paper_rates[i].name : req->input;
+        out->kernel = own ? "streaks" : req->kernel_name;
         out->paper = paper ? &gp_paper_rates[i] : NULL;
-        if (!out->input || !out->kernel)
-            GP_TRY(gp_no_memory(log, f.path));
         GP_TRY(measure_frame(&b, out));
         if (!paper)
             GP_TRY(gp_bench_whole_run(&b, &out->whole));
@@ -554,7 +554,6 @@ gp_status gp_bench_run(const struct gp_log *log,
     }
     GP_TRY(gp_bench_write(log, p, &table));
 out:
-    gp_bench_table_free(&table);
     gp_frame_free(&f);
     glarepp_kernel_end(&b.kernel);
     return st;

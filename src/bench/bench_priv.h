@@ -123,14 +123,14 @@ struct gp_bench_whole {
     int outputs; // 0: not measured
 };
 
-/* All techniques on one frame. */
+/* All techniques on one frame; borrows its names. */
 struct gp_bench_frame {
-    char *input;               // name or path, owned
+    const char *input; // name or path
     int width, height;
     long long sources;
     bool angles; // its kernel follows true angles
     int kernel_w, kernel_h;
-    char *kernel;              // name or path, owned
+    const char *kernel;        // name or path
     double kernel_left_out;    // as in glarepp_kernel_facts; NaN: no model's
     const struct gp_paper_rate *paper; // or NULL
     struct gp_bench_row row[GP_BENCH_MOST];
@@ -144,7 +144,6 @@ struct gp_bench_table {
     int frames;
     int runs;                  // as --runs
 };
-void gp_bench_table_free(struct gp_bench_table *t);
 
 /* Sets `pareto` of each row: those that are measured, and than which none is
  * both at most as slow and at most as wrong, and better in one. As times differ

@@ -81,15 +81,6 @@ double gp_bench_error(const struct gp_bench_row *r, int by)
                         : r->flip;
 }
 
-void gp_bench_table_free(struct gp_bench_table *t)
-{
-    for (int i = 0; i < t->frames; i++) {
-        GP_FREE(t->frame[i].input);
-        GP_FREE(t->frame[i].kernel);
-    }
-    t->frames = 0;
-}
-
 void gp_bench_keep_why(void *why, const struct gp_line *line)
 {
     if (line->level == GP_LEVEL_ERROR || line->level == GP_LEVEL_BARE)

@@ -77,11 +77,11 @@ static gp_status write_once(const struct whole *w, struct gp_bench_output *o,
         planes.c[c] = view.plane[c]; // borrowed
     snprintf(path, sizeof path, "%s/o.%s", w->folder, exr ? "exr" : "png");
     const double start = gp_now_ms();
-    st = exr ? gp_write_hdr(&log, &p, path,
-                            &(struct gp_hdr_colour) {w->b->f, &planes}, 1,
-                            &stats)
-             : gp_write_picture(&log, &p, path, w->b->f, &planes,
-                                GP_PICTURE_SHOWN, &stats);
+    st =
+        exr ? gp_write_hdr(&log, &p, path,
+                           &(struct gp_hdr_colour) {w->b->f, planes}, 1, &stats)
+            : gp_write_picture(&log, &p, path, w->b->f, &planes,
+                               GP_PICTURE_SHOWN, &stats);
     *ms = gp_now_ms() - start;
     if (!st && stat(path, &file) == 0)
         o->bytes = (long long) file.st_size;

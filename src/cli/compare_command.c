@@ -312,7 +312,7 @@ static gp_status draw_difference(const struct run *r, struct gp_frame *f)
         f->display = a->display;
         GP_TRY(make_channels(r, colour, f));
         GP_TRY(gp_write_hdr(r->log, &as, f->path,
-                            &(struct gp_hdr_colour) {f, &f->rgb}, 1, &stats));
+                            &(struct gp_hdr_colour) {f, f->rgb}, 1, &stats));
     } else {
         GP_TRY(gp_write_picture(r->log, &as, f->path, f, &f->rgb,
                                 GP_PICTURE_ENCODED, &stats));

@@ -20,7 +20,7 @@ enum { SHARES = 8 };
 static const double STRIP = 0.25, INDEX = 0.75;
 
 /* An entry of a page, and how bad it is. */
-struct gp_kept_entry {
+struct gp_page_entry {
     json_t *entry; // owned
     int result;
     double error; // FLIP, else rel_l2; what cannot be compared is worst
@@ -224,7 +224,7 @@ static size_t bytes_of(const json_t *o)
 /* Adds pictures to an entry, in `bytes`, and a thumbnail, where `side` is not 0. */
 static gp_status show(const struct gp_compare_pages *p,
                       const struct gp_compare_row *e, bool whole, size_t bytes,
-                      int side, struct gp_kept_entry *to)
+                      int side, struct gp_page_entry *to)
 {
     json_t *const entry = to->entry;
     json_t *const notes = json_object_get(entry, "notes");
@@ -256,7 +256,7 @@ out:
 
 static int by_error(const void *a, const void *b)
 {
-    const struct gp_kept_entry *const x = a, *const y = b;
+    const struct gp_page_entry *const x = a, *const y = b;
     return x->result != y->result ? y->result - x->result
            : x->error != y->error
                ? (y->error > x->error) - (y->error < x->error)
@@ -266,14 +266,14 @@ static int by_error(const void *a, const void *b)
 /* Returns true where a new entry may have pictures of so many bytes, 0: of as many as
  * others have; `makes`: deletes those of less bad ones that are in the way. */
 static bool has_room(struct gp_compare_pages *p,
-                     const struct gp_kept_entry *new, size_t bytes, size_t room,
+                     const struct gp_page_entry *new, size_t bytes, size_t room,
                      bool makes)
 {
     while (true) {
-        struct gp_kept_entry *least = NULL;
+        struct gp_page_entry *least = NULL;
         size_t shown = 0;
-        for (int i = 0; i < p->n; i++) {
-            struct gp_kept_entry *const k = &p->kept[i];
+        for (int i = 0; i < p->kept.n; i++) {
+            struct gp_page_entry *const k = &p->kept.at[i];
             shown += k->bytes > 0;
             if (k->bytes && (!least || by_error(k, least) > 0))
                 least = k;
@@ -290,20 +290,21 @@ static bool has_room(struct gp_compare_pages *p,
 
 /* Adds pictures and a thumbnail to a new entry, as far as its page has room. */
 static gp_status fill(struct gp_compare_pages *p,
-                      const struct gp_compare_row *e, struct gp_kept_entry *new)
+                      const struct gp_compare_row *e, struct gp_page_entry *new)
 {
     // (a pixel of a thumbnail takes about 3 bytes of text, of 16 x 9; what a
     // picture says of itself up to about ABOUT)
     static const double SQUARE = 1.7, ABOUT = 4096.0, LEAST = 1024.0;
     const int parts = gp_max(e->parts, 1), all = p->pairs * parts;
-    const int pairs = gp_max(p->pattern.len ? parts : all, p->n + 1);
+    const int pairs = gp_max(p->pattern.len ? parts : all, p->kept.n + 1);
     const double room = (double) gp_page_room(p->s, 0);
     const double strip = (p->index ? INDEX : STRIP) * room;
     const int side = p->sequence || parts > 1
                          ? gp_clamp_whole(sqrt(strip / all / SQUARE), 16, 160)
                          : 0;
     p->text += bytes_of(new->entry);
-    const double text = (double) p->text / (p->n + 1) + SQUARE * side * side;
+    const double text =
+        (double) p->text / (p->kept.n + 1) + SQUARE * side * side;
     const double most = fmax(room - text * pairs, LEAST);
     const double share = fmax(most / gp_min(pairs, SHARES) - ABOUT, LEAST);
     const gp_status st = show(p, e, has_room(p, new, 0, (size_t) most, false),
@@ -316,20 +317,35 @@ static gp_status fill(struct gp_compare_pages *p,
     return st;
 }
 
+/* Appends an entry, whose reference it takes. */
+static gp_status append(const struct gp_log *log, struct gp_page_entries *to,
+                        struct gp_page_entry entry)
+{
+    void *block = to->at;
+    const gp_status st =
+        gp_resize(log, "page", ((size_t) to->n + 1) * sizeof *to->at, &block);
+    if (st) {
+        json_decref(entry.entry);
+        return st;
+    }
+    to->at = block;
+    to->at[to->n++] = entry;
+    return GP_OK;
+}
+
 gp_status gp_compare_pages_add(struct gp_compare_pages *p,
                                const struct gp_compare_row *e, json_t *facts)
 {
     const struct glarepp_compare_facts *const f = e->why ? NULL : e->facts;
-    struct gp_kept_entry new = {
+    struct gp_page_entry new = {
         make_entry(p, e, facts),
         e->result,
         !f            ? (double) INFINITY
         : f->has_flip ? f->flip
                       : f->rel_l2,
-        p->n,
+        p->kept.n,
         0,
     };
-    void *block = p->kept;
     gp_status st = new.entry ? GP_OK : gp_no_memory(p->log, p->s->page.html);
     GP_TRY(st);
     if (!p->page) {
@@ -345,10 +361,7 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
     }
     if (f)
         GP_TRY(fill(p, e, &new));
-    GP_TRY(gp_resize(p->log, "page", (size_t) (p->n + 1) * sizeof *p->kept,
-                     &block));
-    p->kept = block;
-    p->kept[p->n++] = new;
+    st = append(p->log, &p->kept, new);
     new.entry = NULL;
 out:
     json_decref(new.entry);
@@ -402,46 +415,32 @@ out:
     return st;
 }
 
-/* Moves n entries to a page, the worst first. */
-static void put_sorted(json_t *page, struct gp_kept_entry *entry, int n)
+/* Writes a page, whose reference it takes, with these entries, the worst first. */
+static gp_status write_page(const struct gp_log *log, const char *path,
+                            json_t *page, struct gp_page_entries *from)
 {
     json_t *const list = json_object_get(page, "entries");
-    if (n)
-        qsort(entry, (size_t) n, sizeof *entry, by_error);
-    for (int i = 0; i < n; i++)
-        json_array_append_new(list, entry[i].entry);
-}
-
-/* Moves the kept entries to a page and writes it. */
-static gp_status write_page(struct gp_compare_pages *p, const char *path)
-{
-    json_t *const page = p->page;
-    put_sorted(page, p->kept, p->n);
-    p->page = NULL;
-    p->n = 0;
-    p->used = p->text = 0;
-    return gp_page_save(p->log, path, page);
+    if (from->n)
+        qsort(from->at, (size_t) from->n, sizeof *from->at, by_error);
+    for (int i = 0; i < from->n; i++)
+        json_array_append_new(list, from->at[i].entry);
+    from->n = 0;
+    return gp_page_save(log, path, page);
 }
 
 /* Lists the entries of a page in the index, without their pictures. */
 static gp_status list_page(struct gp_compare_pages *p, const char *path)
 {
-    void *block = p->listed;
-    const size_t n = (size_t) p->n_listed + (size_t) p->n;
-    const gp_status st =
-        gp_resize(p->log, "page", n * sizeof *p->listed, &block);
-    if (st)
-        return st;
-    p->listed = block;
-    for (int i = 0; i < p->n; i++) {
-        struct gp_kept_entry *const to = &p->listed[p->n_listed];
-        *to = p->kept[i];
-        to->entry = json_copy(to->entry);
-        to->order = p->n_listed++;
-        json_object_del(to->entry, "set");
-        json_object_set_new(to->entry, "href", gp_json_name(path));
+    gp_status st = GP_OK;
+    for (int i = 0; i < p->kept.n && !st; i++) {
+        struct gp_page_entry e = p->kept.at[i];
+        e.entry = json_copy(e.entry);
+        e.order = p->listed.n;
+        json_object_del(e.entry, "set");
+        json_object_set_new(e.entry, "href", gp_json_name(path));
+        st = append(p->log, &p->listed, e);
     }
-    return GP_OK;
+    return st;
 }
 
 /* Links the present page to the index: up as many folders as its `link` goes down. */
@@ -470,14 +469,13 @@ gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
             link_back(p, link);
             GP_TRY(list_page(p, link));
         }
-        GP_TRY(write_page(p, path));
+        st = write_page(p->log, path, p->page, &p->kept);
+        p->page = NULL;
+        p->used = p->text = 0;
     }
-    if (last && p->index) {
-        json_t *const index = p->index;
+    if (last && p->index && !st) {
+        st = write_page(p->log, p->s->page.index, p->index, &p->listed);
         p->index = NULL;
-        put_sorted(index, p->listed, p->n_listed);
-        p->n_listed = 0;
-        st = gp_page_save(p->log, p->s->page.index, index);
     }
 out:
     free(path);
@@ -486,12 +484,12 @@ out:
 
 void gp_compare_pages_free(struct gp_compare_pages *p)
 {
-    for (int i = 0; i < p->n; i++)
-        json_decref(p->kept[i].entry);
-    for (int i = 0; i < p->n_listed; i++)
-        json_decref(p->listed[i].entry);
-    gp_free(p->kept);
-    gp_free(p->listed);
+    for (int i = 0; i < p->kept.n; i++)
+        json_decref(p->kept.at[i].entry);
+    for (int i = 0; i < p->listed.n; i++)
+        json_decref(p->listed.at[i].entry);
+    gp_free(p->kept.at);
+    gp_free(p->listed.at);
     json_decref(p->page);
     json_decref(p->index);
     *p = (struct gp_compare_pages) {0};

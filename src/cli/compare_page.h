@@ -27,13 +27,13 @@ struct gp_compare_pages {
     const struct gp_settings *s;
     struct gp_pattern pattern; // of --html; .len 0: there is one page
     bool sequence;
-    int pairs;                  // that there will be
-    json_t *page, *index;       // present ones; NULL: none
-    struct gp_kept_entry *kept; // of page; owned
-    int n;
-    size_t used, text;            // bytes of its pictures, of all else of kept
-    struct gp_kept_entry *listed; // of index; owned
-    int n_listed;
+    int pairs;            // that there will be
+    json_t *page, *index; // present ones; NULL: none
+    struct gp_page_entries {
+        struct gp_page_entry *at; // owned
+        int n;
+    } kept, listed;    // of page; of index
+    size_t used, text; // bytes of its pictures, of all else of kept
 };
 
 /* Begins, before any work; does nothing without --html.

@@ -525,30 +525,26 @@ static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
     const size_t most =
         (size_t) views * (1 + (size_t) r->s->input.light_groups.n);
     struct gp_hdr_colour *set = NULL;
-    struct gp_planes *planes = NULL;
     gp_status st;
     int n = 0;
     GP_TRY(gp_alloc_zero(log, "colours", most, sizeof *set, &set));
-    GP_TRY(gp_alloc_zero(log, "colours", most, sizeof *planes, &planes));
     for (int i = 0; i < views; i++) {
         if (r->s->tone.map.output && !fs[i].converted)
             GP_TRY(gp_convert_layers(log, convert_layer, (void *) (uintptr_t) r,
                                      &fs[i].file, stats));
         fs[i].converted = true;
-        GP_TRY(look_at(&fs[i], GLAREPP_OUTPUT, 0, &planes[n], NULL));
-        set[n++].f = &fs[i].file;
+        set[n].f = &fs[i].file;
+        GP_TRY(look_at(&fs[i], GLAREPP_OUTPUT, 0, &set[n++].planes, NULL));
     }
     for (int i = 0; i < views; i++) {
         for (int g = 0; g < fs[i].groups; g++) {
-            GP_TRY(look_at(&fs[i], GLAREPP_OUTPUT, g + 1, &planes[n], NULL));
-            set[n++].f = &fs[i].group[g];
+            set[n].f = &fs[i].group[g];
+            GP_TRY(
+                look_at(&fs[i], GLAREPP_OUTPUT, g + 1, &set[n++].planes, NULL));
         }
     }
-    for (int i = 0; i < n; i++)
-        set[i].planes = &planes[i];
     st = gp_write_hdr(log, p, name, set, n, stats);
 out:
-    gp_free(planes);
     gp_free(set);
     return st;
 }

@@ -142,10 +142,11 @@ GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
-/* A frame, and the new planes of its colour channels (w * h of its data). */
+/* A frame, and the new planes of its colour channels (w * h of its data), both
+ * borrowed. */
 struct gp_hdr_colour {
     const struct gp_frame *f;
-    const struct gp_planes *planes;
+    struct gp_planes planes;
 };
 
 /* Writes an EXR in which the colour channels of each frame hold its planes and

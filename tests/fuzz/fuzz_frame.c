@@ -88,7 +88,7 @@ static void look_at_layer(const struct gp_read_params *p,
     char *const layer = dot ? strndup(channel, (size_t) (dot - channel)) : NULL;
     struct gp_frame other = {0};
     if (layer && !fuzz_line(gp_read_layer(&fuzz_log, p, f, layer, &other))) {
-        const struct gp_hdr_colour set[] = {{f, &f->rgb}, {&other, &other.rgb}};
+        const struct gp_hdr_colour set[] = {{f, f->rgb}, {&other, other.rgb}};
         touch_frame(&other);
         write_again(set, 2);
         gp_frame_free(&other);
@@ -108,7 +108,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         struct gp_image v = view_of(&f);
         make_kernel(&v, data[size - 1]);
         sense(&v);
-        write_again(&(struct gp_hdr_colour) {&f, &f.rgb}, 1);
+        write_again(&(struct gp_hdr_colour) {&f, f.rgb}, 1);
         for (int i = 0; i < f.channels && i < 3; i++)
             look_at_layer(&p, &f, f.channel[i].name);
         gp_frame_free(&f);

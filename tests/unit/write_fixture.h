@@ -216,7 +216,7 @@ static inline gp_status wf_write_set(const struct gp_write_params *p,
 static inline gp_status wf_write_hdr(const struct gp_write_params *p,
                                      const char *name, const struct gp_frame *f)
 {
-    const struct gp_hdr_colour colour = {f, &f->rgb};
+    const struct gp_hdr_colour colour = {f, f->rgb};
     return wf_write_set(p, name, &colour, 1);
 }
 

@@ -237,7 +237,7 @@ static gp_status add_frame(const struct group *g,
     const struct gp_hdr_colour *from, struct part *out)
 {
     const struct gp_frame *f = from->f;
-    struct gp_planes planes = *from->planes;
+    struct gp_planes planes = from->planes;
     enum gp_pixel_type type;
     gp_status st = fit_colour(g->log, g->p, f, &planes, &type, out);
     if (st)

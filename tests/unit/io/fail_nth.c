@@ -117,7 +117,7 @@ static gp_status hdr_as(const char *name, const struct gp_frame *f,
 {
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     const char *const to = wf_path(name);
-    const struct gp_hdr_colour set = {f, &f->rgb};
+    const struct gp_hdr_colour set = {f, f->rgb};
     p.compression = compression;
     return ended(gp_write_hdr(&kept_log, &p, to, &set, 1, &wf_stats), to);
 }
