@@ -10,6 +10,7 @@
 #include "io/file.h"
 
 #include <limits.h>
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
 
@@ -139,6 +140,16 @@ static size_t frame_bytes(const struct pipeline *p,
     return bytes;
 }
 
+/* Adds to the time of a stage, an enum gp_time; under 0 is none. */
+static void add_cost(struct gp_cost_facts *c, int time, double ms, double cpu)
+{
+    if (time < 0)
+        return;
+    c->ms[time] = fmax(c->ms[time], 0.0) + ms;
+    c->cpu_ms[time] = fmax(c->cpu_ms[time], 0.0) + cpu;
+    c->ms[GP_TIME_TOTAL] = fmax(c->ms[GP_TIME_TOTAL], 0.0) + ms;
+}
+
 /* Runs a stage, and counts its time: of engines within it as glare. */
 static gp_status run_stage(struct pipeline *p, const struct gp_stage *stage,
                            struct gp_frame_state *fs)
@@ -156,13 +167,12 @@ static gp_status run_stage(struct pipeline *p, const struct gp_stage *stage,
         engines = lib->engines_ms;
         engines_cpu = lib->engines_cpu_ms;
         if (stage->step == GLAREPP_KERNEL && lib->kernel.ms > 0.0)
-            gp_cost_add(cost, GP_TIME_KERNEL, lib->kernel.ms,
-                        lib->kernel.cpu_ms);
+            add_cost(cost, GP_TIME_KERNEL, lib->kernel.ms, lib->kernel.cpu_ms);
     }
-    gp_cost_add(cost, stage->time, gp_now_ms() - start - engines,
-                gp_cpu_ms() - cpu - engines_cpu);
+    add_cost(cost, stage->time, gp_now_ms() - start - engines,
+             gp_cpu_ms() - cpu - engines_cpu);
     if (engines > 0.0)
-        gp_cost_add(cost, GP_TIME_GLARE, engines, engines_cpu);
+        add_cost(cost, GP_TIME_GLARE, engines, engines_cpu);
     return GP_OK;
 }
 

@@ -16,15 +16,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-void gp_cost_add(struct gp_cost_facts *c, int time, double ms, double cpu)
-{
-    if (time < 0)
-        return;
-    c->ms[time] = fmax(c->ms[time], 0.0) + ms;
-    c->cpu_ms[time] = fmax(c->cpu_ms[time], 0.0) + cpu;
-    c->ms[GP_TIME_TOTAL] = fmax(c->ms[GP_TIME_TOTAL], 0.0) + ms;
-}
-
 void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *line,
                    size_t size)
 {

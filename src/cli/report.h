@@ -81,9 +81,6 @@ struct gp_cost_facts {
     bool has_cpu;                // one frame was in flight, so that it is known
 };
 
-/* Adds to the time of a stage, an enum gp_time; under 0 is none. */
-void gp_cost_add(struct gp_cost_facts *c, int time, double ms, double cpu);
-
 /* The facts about one frame: the library's, and the program's, a struct a
  * stage. Strings and lists are borrowed where none says owned. */
 struct gp_frame_report {

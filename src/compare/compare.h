@@ -77,18 +77,6 @@ GP_MUST_CHECK gp_status gp_compare_light(
  * number of threads, and the same for (a, b) and (b, a) at equal exposures. */
 enum { GP_FLIP_EXPOSURES_MAX = 64 };
 
-/* LDR-FLIP of two pictures.
- *
- *   a, b   display-linear BT.709 (the sRGB curve undone); values outside [0,1]
- *          are clamped, NaN counts as 0
- *   map    w * h values in [0,1]
- *   mean   of the map; written only on GP_OK
- *
- * Beyond the border the outermost pixels are repeated. */
-GP_MUST_CHECK gp_status gp_flip_ldr(
-    const struct gp_log *log, int w, int h, const struct gp_planes *a,
-    const struct gp_planes *b, float *map, double *mean);
-
 /* The exposures at which two frames are compared: `count` of them, in equal
  * steps from start to stop, in EV. */
 struct gp_flip_exposures {
@@ -108,23 +96,28 @@ GP_MUST_CHECK gp_status gp_flip_exposures_find(
     const struct gp_log *log, size_t pixels, const struct gp_planes *reference,
     struct gp_flip_exposures *out);
 
-/* HDR-FLIP: for each pixel the largest LDR-FLIP of all exposures, each tone
- * mapped by the ACES curve (Narkowicz 2016, its input times 0.6).
+/* FLIP of two pictures. Beyond the border the outermost pixels are repeated.
  *
- *   reference, test  scene-linear BT.709; negative and NaN count as 0
- *   e                the exposures
+ *   a, b  of LDR-FLIP, where `e` is NULL: display-linear BT.709 (the sRGB curve
+ *         undone); values outside [0,1] are clamped, NaN counts as 0. Of
+ *         HDR-FLIP: scene-linear BT.709; negative and NaN count as 0
+ *   e     exposures, each tone mapped by the ACES curve (Narkowicz 2016, its input
+ *         times 0.6): the largest LDR-FLIP of all counts
+ *   map   w * h values in [0,1]
+ *   mean  of the map; written only on GP_OK
  *
- * The rest as in gp_flip_ldr(). Errors: GP_ERR_USAGE exposures that are not
- * finite, or a count out of range. */
-GP_MUST_CHECK gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
-    const struct gp_planes *reference, const struct gp_planes *test,
-    const struct gp_flip_exposures *e, float *map, double *mean);
+ * Errors: GP_ERR_USAGE exposures that are not finite, or a count out of range. */
+GP_MUST_CHECK gp_status gp_flip(const struct gp_log *log, int w, int h,
+                                const struct gp_planes *a,
+                                const struct gp_planes *b,
+                                const struct gp_flip_exposures *e, float *map,
+                                double *mean);
 
 /* Computes FLIP of lit images, LDR-FLIP where both are stored as integers, at
  * the exposures of `p` or, of none, those that fit a. Primaries are taken as
  * BT.709. Sets what *out says of FLIP.
  *   map  of the window, rows from the top; gp_free()
- * Errors: those of gp_flip_hdr(). */
+ * Errors: those of gp_flip(). */
 GP_MUST_CHECK gp_status gp_compare_flip(
     const struct gp_log *log, const struct glarepp_compare_params *p,
     const struct gp_compare_match *m, struct glarepp_compare_facts *out,

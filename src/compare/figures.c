@@ -376,8 +376,7 @@ gp_status gp_compare_flip(
     GP_TRY(gp_alloc(log, "FLIP map", pixels, sizeof **map, map));
     if (hdr && !e.count)
         GP_TRY(gp_flip_exposures_find(log, pixels, &a, &e));
-    GP_TRY(hdr ? gp_flip_hdr(log, w, h, &a, &b, &e, *map, &out->flip)
-               : gp_flip_ldr(log, w, h, &a, &b, *map, &out->flip));
+    GP_TRY(gp_flip(log, w, h, &a, &b, hdr ? &e : NULL, *map, &out->flip));
     out->has_flip = true;
     out->hdr = hdr;
     if (hdr) {

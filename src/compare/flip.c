@@ -304,18 +304,25 @@ static void compare_tile(void *ctx, int i, int thread)
     }
 }
 
-/* Sets the map and its mean: of display-linear pictures, or of `e`. */
-static gp_status compare(const struct gp_log *log, int w, int h,
-                         const struct gp_planes *a, const struct gp_planes *b,
-                         const struct gp_flip_exposures *e, float *map,
-                         double *mean)
+gp_status gp_flip(const struct gp_log *log, int w, int h,
+                  const struct gp_planes *a, const struct gp_planes *b,
+                  const struct gp_flip_exposures *e, float *map, double *mean)
 {
+    const struct gp_flip_exposures all =
+        e ? *e : (struct gp_flip_exposures) {.count = 1};
     struct metric m = {.w = w, .h = h, .across = (w + TILE_W - 1) / TILE_W,
                        .picture = {a, b}, .map = map};
     const int tiles = m.across * ((h + TILE_H - 1) / TILE_H);
     const size_t n = (size_t) w * (size_t) h;
-    // matrices between linear BT.709 and XYZ over that of white
     double xyz[9], rgb[9], sum = 0.0;
+    if (all.count < 1 || all.count > GP_FLIP_EXPOSURES_MAX ||
+        !isfinite(all.start) || !isfinite(all.stop))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "flip: exposures out of range (found "
+                       "%d from %g to %g); give 1 to %d of finite EV",
+                       all.count, (double) all.start, (double) all.stop,
+                       GP_FLIP_EXPOSURES_MAX);
+    // matrices between linear BT.709 and XYZ over that of white
     (void) gp_rgb_to_xyz(gp_rec709_chromaticities, xyz); // cannot fail
     for (int i = 0; i < 3; i++) {
         const double white = xyz[3 * i] + xyz[3 * i + 1] + xyz[3 * i + 2];
@@ -339,10 +346,10 @@ static gp_status compare(const struct gp_log *log, int w, int h,
     if (st)
         return st;
     memset(map, 0, n * sizeof *map);
-    for (int i = 0; i < (e ? e->count : 1); i++) {
-        const double start = e ? (double) e->start : 0.0;
-        const double range = e ? (double) e->stop - start : 0.0;
-        const double ev = i ? start + range * i / (e->count - 1) : start;
+    for (int i = 0; i < all.count; i++) {
+        const double start = (double) all.start, stop = (double) all.stop;
+        const double ev =
+            i ? start + (stop - start) * i / (all.count - 1) : start;
         // factors that move any float in or out of sight are finite
         m.scale = e ? (float) exp2(fmin(fmax(ev, -120.0), 120.0)) : 0.0f;
         gp_parallel_do(tiles, compare_tile, &m);
@@ -352,29 +359,6 @@ static gp_status compare(const struct gp_log *log, int w, int h,
     *mean = sum / (double) n;
     gp_free(m.tile);
     return GP_OK;
-}
-
-gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
-                      const struct gp_planes *a, const struct gp_planes *b,
-                      float *map, double *mean)
-{
-    return compare(log, w, h, a, b, NULL, map, mean);
-}
-
-gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
-                      const struct gp_planes *reference,
-                      const struct gp_planes *test,
-                      const struct gp_flip_exposures *e, float *map,
-                      double *mean)
-{
-    if (e->count < 1 || e->count > GP_FLIP_EXPOSURES_MAX ||
-        !isfinite(e->start) || !isfinite(e->stop))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "flip: exposures out of range (found "
-                       "%d from %g to %g); give 1 to %d of finite EV",
-                       e->count, (double) e->start, (double) e->stop,
-                       GP_FLIP_EXPOSURES_MAX);
-    return compare(log, w, h, reference, test, e, map, mean);
 }
 
 // -- exposures ---------------------------------------------------------------

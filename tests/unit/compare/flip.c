@@ -70,7 +70,7 @@ static struct pair flat(int w, int h, const float a[3], const float b[3])
 static double ldr(struct pair *p)
 {
     double mean = NAN;
-    assert_ok(gp_flip_ldr(NULL, p->w, p->h, &p->a, &p->b, p->map, &mean));
+    assert_ok(gp_flip(NULL, p->w, p->h, &p->a, &p->b, NULL, p->map, &mean));
     return mean;
 }
 
@@ -80,8 +80,8 @@ static double hdr(struct pair *p, const struct gp_flip_exposures *e)
     struct gp_flip_exposures found = {0};
     if (!e)
         assert_ok(gp_flip_exposures_find(NULL, p->n, &p->a, &found));
-    assert_ok(gp_flip_hdr(NULL, p->w, p->h, &p->a, &p->b, e ? e : &found,
-                          p->map, &mean));
+    assert_ok(
+        gp_flip(NULL, p->w, p->h, &p->a, &p->b, e ? e : &found, p->map, &mean));
     return mean;
 }
 
@@ -308,8 +308,9 @@ static void what_makes_no_sense_is_refused(void **state)
     struct pair p = pattern(2, 2);
     for (size_t i = 0; i < COUNT(rows); i++) {
         double mean = 7.0;
-        assert_int_equal(gp_flip_hdr(NULL, 2, 2, &p.a, &p.b, &rows[i], p.map,
-                                     &mean), GP_ERR_USAGE);
+        assert_int_equal(
+            gp_flip(NULL, 2, 2, &p.a, &p.b, &rows[i], p.map, &mean),
+            GP_ERR_USAGE);
         assert_true(mean == 7.0);
     }
     free_pair(&p);
