@@ -472,13 +472,13 @@ out:
 }
 
 /* Makes the kernel given, else the paper's own. */
-static gp_status make_kernel(struct gp_bench *b, bool own)
+static gp_status make_kernel(struct gp_bench *b)
 {
     struct glarepp_kernel_params p = *b->req->kernel;
     struct glarepp_image view;
     struct gp_frame image = {0};
     gp_status st;
-    if (own) {
+    if (!b->req->kernel_name) {
         GP_TRY(gp_paper_kernel(b->log, &image));
         view = gp_frame_view(&image, &image.rgb);
         p = (struct glarepp_kernel_params) GLAREPP_KERNEL_PARAMS;
@@ -518,7 +518,7 @@ gp_status gp_bench_run(const struct gp_log *log,
 {
     gp_status st;
     const struct gp_bench_params *const p = req->params;
-    const bool paper = p->paper, own = paper && req->default_kernel;
+    const bool paper = p->paper;
     struct gp_frame f = {0};
     struct gp_bench b = {
         .log = log,
@@ -535,7 +535,7 @@ gp_status gp_bench_run(const struct gp_log *log,
         if (st || lit)
             return st;
     }
-    GP_TRY(make_kernel(&b, own));
+    GP_TRY(make_kernel(&b));
     for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
         struct gp_bench_frame *const out = &table.frame[table.frames++];
         GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, &f)
@@ -543,7 +543,7 @@ gp_status gp_bench_run(const struct gp_log *log,
         b.params = paper ? (struct glarepp_frame_params) GLAREPP_FRAME_PARAMS
                          : req->describe(req->user, &f);
         out->input = paper ? gp_paper_rates[i].name : req->input;
-        out->kernel = own ? "streaks" : req->kernel_name;
+        out->kernel = req->kernel_name ? req->kernel_name : "streaks";
         out->paper = paper ? &gp_paper_rates[i] : NULL;
         GP_TRY(measure_frame(&b, out));
         if (!paper)

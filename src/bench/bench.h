@@ -26,8 +26,7 @@ struct gp_bench_request {
     const struct gp_bench_params *params;
     struct glarepp *gp;
     const char *input;         // not with params->paper
-    bool default_kernel;       // no --kernel: --paper brings its own
-    const char *kernel_name;
+    const char *kernel_name;   // NULL: the paper's own
     const struct gp_read_params *read;
     const struct gp_write_params *write;
     const struct glarepp_kernel_params *kernel;

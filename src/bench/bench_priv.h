@@ -169,8 +169,7 @@ struct gp_bench_cell {
     enum { GP_CELL_REAL, GP_CELL_WHOLE, GP_CELL_TRUTH } kind; // of the number
 };
 
-/* Writes rows of cells as CSV, RFC 4180: a header line, then one line a row,
- * unknown cells empty. */
+/* Writes rows of cells as CSV, RFC 4180, after a line of their names. */
 GP_MUST_CHECK gp_status gp_bench_save_csv(const struct gp_log *log,
     const char *path, const struct gp_bench_cell *c, int rows, int cells);
 
@@ -180,9 +179,8 @@ json_t *gp_bench_json_row(const struct gp_bench_cell *c, int cells);
 /* Makes an object of a frame and its rows, as in the JSON of the table. */
 json_t *gp_bench_json_frame(const struct gp_bench_frame *f);
 
-/* Prints the table on stdout, up to 141 columns, and its legend, and writes it
- * to the files of `p`. With `-` as a file, only that file goes to stdout.
- * Errors: GP_ERR_IO; GP_ERR_BUG out of memory. */
+/* Prints the table, up to 141 columns, and its legend, and writes it to the files
+ * of `p`, as gp_bench_run() says. */
 GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
     const struct gp_bench_params *p, const struct gp_bench_table *t);
 

@@ -120,13 +120,11 @@ static void print_part(const struct gp_compare_row *r,
     printf("  rel_l2 = %g\n", f->rel_l2);
     if (!isnan(f->max_rel))
         printf("  max_rel = %g\n", f->max_rel);
-    if (f->has_flip)
-        printf("  %s = %.6f", f->hdr ? "HDR-FLIP" : "LDR-FLIP", f->flip);
     if (f->has_flip && f->hdr)
-        printf(" (exposures %.4g to %.4g EV, %d)", (double) f->start,
-               (double) f->stop, f->exposures);
-    if (f->has_flip)
-        putchar('\n');
+        printf("  HDR-FLIP = %.6f (exposures %.4g to %.4g EV, %d)\n", f->flip,
+               (double) f->start, (double) f->stop, f->exposures);
+    else if (f->has_flip)
+        printf("  LDR-FLIP = %.6f\n", f->flip);
     if (f->uneven)
         printf("  %lld pixels differ in their number of samples, the first at "
                "(%d, %d)\n", f->uneven, f->uneven_x, f->uneven_y);

@@ -256,9 +256,8 @@ out:
 gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
                            const struct gp_settings *s, int *status)
 {
-    char *const input = s->input.files.n ? (char *) (uintptr_t)
-                                               s->input.files.at[0] : NULL;
-    const bool own = gp_option_given(s, "kernel");
+    char *const input =
+        s->input.files.n ? (char *) (uintptr_t) s->input.files.at[0] : NULL;
     struct user user = {.run = {.s = s}, .job = {.input = input}};
     struct gp_bench_params params = s->bench;
     const char *const html = params.page = s->page.html;
@@ -266,8 +265,9 @@ gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
         .params = &params,
         .gp = gp,
         .input = input,
-        .default_kernel = !own,
-        .kernel_name = own ? s->kernel.words.at[0] : s->light.style,
+        .kernel_name = gp_option_given(s, "kernel") ? s->kernel.words.at[0]
+                       : s->bench.paper             ? NULL
+                                                    : s->light.style,
         .read = &s->input.read,
         .write = &s->output.write,
         .kernel = &s->kernel.p,

@@ -73,8 +73,8 @@ GP_MUST_CHECK gp_status gp_compare_light(
  * A degree of view has 67.02 pixels, as the papers take it: 3840 pixels on a
  * display 0.7 m wide, seen from 0.7 m.
  *
- * Planes are w * h samples, rows from the top. Every result is the same for any
- * number of threads, and the same for (a, b) and (b, a) at equal exposures. */
+ * Planes are w * h samples, rows from the top. Results are the same for (a, b) and
+ * (b, a) at equal exposures. */
 enum { GP_FLIP_EXPOSURES_MAX = 64 };
 
 /* The exposures at which two frames are compared: `count` of them, in equal

@@ -16,8 +16,6 @@
 
 // -- filters -----------------------------------------------------------------
 
-static const double PI = 3.14159265358979323846;
-
 /* Pixels a degree: compare.h. */
 static const double PPD = (double) 67.0206f;
 
@@ -74,10 +72,10 @@ static void make_filters(struct filters *f)
     for (int c = 0; c < COLOURS; c++) {
         for (int i = -RADIUS; i <= RADIUS; i++) {
             const double x = i / PPD;
-            tap[0][i + RADIUS] = exp(-PI * PI * x * x / gaussian[c].b);
+            tap[0][i + RADIUS] = exp(-M_PI * M_PI * x * x / gaussian[c].b);
         }
         const double sum = normalise(tap[0], TAPS, f->colour[c]);
-        volume[c] = gaussian[c].a * sqrt(PI / gaussian[c].b) * sum * sum;
+        volume[c] = gaussian[c].a * sqrt(M_PI / gaussian[c].b) * sum * sum;
     }
     const double both = volume[BLUE_YELLOW] + volume[BLUE_YELLOW_2];
     f->share[0] = (float) (volume[BLUE_YELLOW] / both);

@@ -25,7 +25,6 @@ struct tile {
 
 static const double DISPLAY_WHITE = 100.0; // cd/m2
 static const double FIELD = 45.0;          // degrees
-static const double PI = 3.14159265358979323846;
 
 struct view {
     int w, h;
@@ -213,7 +212,7 @@ gp_status gp_compare_see(const struct gp_log *log,
     GP_TRY(gp_alloc_zero(log, "tiles", (size_t) tiles, sizeof *v.seen,
                          &v.seen));
     // pixels of a display, one unit away, that is as wide as the field
-    const double degrees = 2.0 * tan(0.5 * FIELD * PI / 180.0) * 180.0 / PI;
+    const double degrees = 2.0 * tan(0.5 * FIELD * M_PI / 180.0) * 180.0 / M_PI;
     for (int n = 0; n < BANDS; n++) {
         v.frequency[n] = 0.5 * v.w / degrees / (double) (1 << n);
         v.sharpness[n] = sensitivity(v.frequency[n], 100.0) /
