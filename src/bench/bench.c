@@ -418,18 +418,6 @@ static void end_truth(struct gp_bench *b)
     gp_planes_free(&b->shown);
 }
 
-struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
-                                      const char *name, const char *layer,
-                                      struct gp_bench_frame *out)
-{
-    struct gp_bench_row *const row = &out->row[out->rows++];
-    *row = (struct gp_bench_row) {
-        .name = name, .layer = layer, .bound = NAN, .flip = NAN};
-    if (!b->sense.sources)
-        strcpy(row->why, "no pixel is over the threshold");
-    return row;
-}
-
 /* Measures all techniques on a frame into *out, in their order. */
 static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
 {

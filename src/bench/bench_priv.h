@@ -145,6 +145,27 @@ struct gp_bench_table {
     int runs;                  // as --runs
 };
 
+/* A frame, and the exact layer that its rows are compared with. */
+struct gp_bench {
+    const struct gp_log *log;
+    struct gp_log errors; // the same, without advice about the frame
+    const struct gp_bench_request *req;
+    struct glarepp_kernel *kernel;
+    struct gp_frame *f;
+    struct glarepp_frame_params params; // of f, with its image
+    bool angles;                 // the truth is by true angles, not a plane's
+    struct glarepp_plan *plan;   // of the truth
+    struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
+    struct glarepp_sense_facts sense;
+    struct gp_planes shown; // exact composite, tone mapped; empty: no FLIP
+};
+
+/* Adds a row, which says so where the frame is dark.
+ *   layer  as in struct gp_bench_row */
+struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
+                                      const char *name, const char *layer,
+                                      struct gp_bench_frame *out);
+
 /* Sets `pareto` of each row: those that are measured, and than which none is
  * both at most as slow and at most as wrong, and better in one. As times differ
  * from run to run, a row is slower than another only when its fastest run is
@@ -185,27 +206,6 @@ GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
     const struct gp_bench_params *p, const struct gp_bench_table *t);
 
 // -- bench.c -----------------------------------------------------------------
-
-/* A frame, and the exact layer that its rows are compared with. */
-struct gp_bench {
-    const struct gp_log *log;
-    struct gp_log errors; // the same, without advice about the frame
-    const struct gp_bench_request *req;
-    struct glarepp_kernel *kernel;
-    struct gp_frame *f;
-    struct glarepp_frame_params params; // of f, with its image
-    bool angles;                 // the truth is by true angles, not a plane's
-    struct glarepp_plan *plan;   // of the truth
-    struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
-    struct glarepp_sense_facts sense;
-    struct gp_planes shown; // exact composite, tone mapped; empty: no FLIP
-};
-
-/* Adds a row, which says so where the frame is dark.
- *   layer  as in struct gp_bench_row */
-struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
-                                      const char *name, const char *layer,
-                                      struct gp_bench_frame *out);
 
 /* For extrapolating: makes *out a frame with the same light in one of `nth` of
  * its 32x32 pixel blocks, evenly spread, and no light at all elsewhere.

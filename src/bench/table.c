@@ -44,6 +44,18 @@ void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
                  t->group, t->cluster, (double) t->shrink, by);
 }
 
+struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
+                                      const char *name, const char *layer,
+                                      struct gp_bench_frame *out)
+{
+    struct gp_bench_row *const row = &out->row[out->rows++];
+    *row = (struct gp_bench_row) {
+        .name = name, .layer = layer, .bound = NAN, .flip = NAN};
+    if (!b->sense.sources)
+        strcpy(row->why, "no pixel is over the threshold");
+    return row;
+}
+
 void gp_bench_mark_pareto(struct gp_bench_frame *f)
 {
     for (int i = 0; i < f->rows; i++) {
