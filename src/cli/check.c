@@ -264,12 +264,19 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
     return check_size(log, m, 1920, 1080);
 }
 
+static const char *debug_name(int kind)
+{
+    return gp_option_find("debug", strlen("debug"))->choices[kind].name;
+}
+
 static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
 {
     for (int i = 0; i < GP_DEBUG_SCISSOR; i++) {
         if (s->output.debug[i])
-            return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp "
-                           "sets; give scissor or sets", gp_debugs[i].name);
+            return gp_fail(log, GP_ERR_USAGE,
+                           "--debug %s: not of glarepp sets; give scissor or "
+                           "sets",
+                           debug_name(i));
     }
     if (gp_option_given(s, "runs"))
         s->sets.runs = s->bench.runs;
@@ -357,8 +364,7 @@ static gp_status check_outputs(const struct gp_log *log,
             return gp_fail(log, GP_ERR_USAGE,
                            "--debug %s: of glarepp sets "
                            "only; write glarepp sets --debug %s=%s SCENE",
-                           gp_debugs[i].name, gp_debugs[i].name,
-                           s->output.debug[i]);
+                           debug_name(i), debug_name(i), s->output.debug[i]);
     }
     for (int i = 0; i < GP_DEBUG_KINDS; i++)
         wants = wants || s->output.debug[i];

@@ -75,14 +75,14 @@ static void make_texts(const struct gp_settings *s,
     const struct glarepp_kernel *k, const struct glarepp_label *label,
     struct texts *out)
 {
-    const struct gp_option_choice *c = gp_compressions;
+    static const char option[] = "compression";
+    const struct gp_option_choice *const c = gp_option_chosen(
+        gp_option_find(option, strlen(option)), &s->output.write.compression);
     const char *recipe;
     out->n = 0;
     for (int i = 0; i < GP_KERNEL_RECIPES &&
                     (recipe = glarepp_kernel_recipe(k, i)); i++)
         add_text(out, gp_recipe_names[i], recipe);
-    while (c->value != (int) s->output.write.compression)
-        c++;
     add_number(out, "glarepp:fov", label->fov);
     snprintf(out->value[out->n], sizeof *out->value, "%dx%d,%d", label->w,
              label->h, s->making.radius);

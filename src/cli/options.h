@@ -303,14 +303,6 @@ struct gp_option_choice {
     const char *text;  // one line for the man page; NULL: the name suffices
 };
 
-// Values of options, in lookup.c
-extern const struct gp_option_choice gp_progresses[], gp_debugs[], gp_gls[],
-    gp_types[], gp_compressions[], gp_bits[], gp_alphas[], gp_stdout_formats[],
-    gp_raws[], gp_grows[], gp_topics[], gp_normalizes[], gp_mixes[],
-    gp_projections[], gp_edges_ways[], gp_threshold_modes[], gp_depth_types[],
-    gp_sun_methods[], gp_patterns[], gp_sums[], gp_outsides[], gp_share_ways[],
-    gp_ups[], gp_spaces[];
-
 /* Settings that an option needs; check.c has the messages. */
 enum gp_need {
     GP_NEED_OWN_FRAMES = 1 << 0, // no input

@@ -11,6 +11,29 @@
 
 // -- settings ----------------------------------------------------------------
 
+const struct gp_settings gp_defaults = {
+    .command = GP_COMMAND_MAIN,
+    .input.read = GP_READ_DEFAULTS,
+    .output.write = GP_WRITE_DEFAULTS,
+    .light =
+        {
+            .style = GP_STYLE_USUAL,
+            .sense = GLAREPP_SENSE_PARAMS,
+            .layer = GLAREPP_LAYER_PARAMS,
+        },
+    .kernel.p = GLAREPP_KERNEL_PARAMS,
+    .sun = {.light = GLAREPP_LIGHT, .p = GLAREPP_LIGHT_PARAMS},
+    .lens = GLAREPP_LENS_PARAMS,
+    .scene = GLAREPP_SCENE_PARAMS,
+    .plan = GLAREPP_PLAN_PARAMS,
+    .tone.map = GLAREPP_TONE_PARAMS,
+    .bench = GP_BENCH_DEFAULTS,
+    .sets = GLAREPP_SETS_PARAMS,
+    .page = {.megabytes = 3.0},
+    .compare = {.limits = GLAREPP_COMPARE_PARAMS, .scale = 1.0f},
+    .run.level = GP_LEVEL_WARN,
+};
+
 void gp_settings_free(struct gp_settings *s)
 {
     while (s->keyeds)
