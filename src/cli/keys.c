@@ -2,6 +2,7 @@
 #include "cli/keys.h"
 
 #include "cli/words.h"
+#include "core/json.h"
 #include "core/maths.h"
 #include "core/memory.h"
 
@@ -61,76 +62,59 @@ static gp_status read_number(const struct value *u, double *out)
     return GP_OK;
 }
 
+/* Values whose number has a sign for its unit: "99.9%", "+3ev". */
 enum { FACTOR, EV, AUTO };
+// clang-format off
+static const struct measure {
+    enum gp_option_kind kind;
+    const char *what, *give, *range; // what to give; out of range, NULL: the same
+    struct {
+        const char *sign;
+        int unit;
+        double lo, hi;
+    } unit[3]; // NULL sign at the end
+} measures[] = {
+    {GP_KIND_LEVEL, "a level",
+     "a factor over 0 and up to 1e+09, EV such as +6ev, or auto", NULL,
+     {{"", FACTOR, (double) FLT_MIN, 1e9},
+      {"ev", EV, -126.0, 29.897352853986263}}}, // of these factors
+    {GP_KIND_THRESHOLD, "a threshold",
+     "a luminance such as 1, a percentile such as 99.9%, or +3ev",
+     "0 or more, 0% to 100%, or -64ev to 64ev",
+     {{"", GLAREPP_LUMINANCE, 0.0, (double) FLT_MAX},
+      {"%", GLAREPP_PERCENTILE, 0.0, 100.0}, {"ev", GLAREPP_EV, -64.0, 64.0}}},
+    {GP_KIND_SIZE, "a size", "0.1 to 10000 percent of the image's pixels, or its "
+     "height as 0.001deg to 180deg", NULL,
+     {{"", false, 0.1, 1e4}, {"%", false, 0.1, 1e4}, {"deg", true, 0.001, 180.0}}},
+};
+// clang-format on
 
-/* Reads a level: "2", "+3ev" or "auto". */
-static gp_status read_level(const struct value *u, double *out, int *unit)
+static gp_status read_measure(const struct value *u, double *out, int *unit)
 {
-    const double most = u->option->hi;
+    const struct measure *m = measures;
     const char *end = u->text;
-    double v = 0.0;
-    *unit = strcmp(u->text, "auto") == 0 ? AUTO : FACTOR;
-    const bool read = *unit != AUTO && read_double(&end, &v);
-    if (read && strcasecmp(end, "ev") == 0)
-        *unit = EV;
-    const double factor = *unit == EV ? gp_exp2(v) : v;
-    if (*unit != AUTO &&
-        (!read || (*end && *unit != EV) || !(factor > 0.0 && factor <= most)))
+    int i = 0;
+    *unit = AUTO;
+    *out = 0.0;
+    if (u->option->kind == GP_KIND_LEVEL && strcmp(end, "auto") == 0)
+        return GP_OK;
+    while (m->kind != u->option->kind)
+        m++;
+    const bool read = read_double(&end, out);
+    const bool ev = strcasecmp(end, "ev") == 0; // of any case
+    while (i < 3 && m->unit[i].sign && strcmp(ev ? "ev" : end, m->unit[i].sign))
+        i++;
+    const bool known = read && i < 3 && m->unit[i].sign;
+    if (known && *out >= m->unit[i].lo && *out <= m->unit[i].hi) { // no NaN
+        *unit = m->unit[i].unit;
+        return GP_OK;
+    }
+    if (known && m->range)
         return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: not a level (found \"%s\"); "
-                       "give a factor over 0 and up to %g, EV such as +6ev, or "
-                       "auto",
-                       u->option->name, u->text, most);
-    *out = v;
-    return GP_OK;
-}
-
-/* Reads a threshold: "1", "99.9%" or "+3ev". */
-static gp_status read_threshold(const struct value *u, double *out, int *unit)
-{
-    const char *end = u->text;
-    double v;
-    const bool read = read_double(&end, &v);
-    const bool ev = read && strcasecmp(end, "ev") == 0;
-    const bool percent = read && strcmp(end, "%") == 0;
-    if (!read || (*end && !ev && !percent))
-        return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: not a threshold (found "
-                       "\"%s\"); give a luminance such as 1, a percentile such "
-                       "as 99.9%%, or +3ev",
-                       u->option->name, u->text);
-    if (!(v >= (ev ? -64.0 : 0.0) &&
-          v <= (ev        ? 64.0
-                : percent ? 100.0
-                          : (double) FLT_MAX))) // NaN too
-        return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: out of range (found %s); "
-                       "give 0 or more, 0%% to 100%%, or -64ev to 64ev",
-                       u->option->name, u->text);
-    *out = v;
-    *unit = ev ? GLAREPP_EV : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
-    return GP_OK;
-}
-
-/* Reads a size of a kernel: "50", "50%" or "2deg". */
-static gp_status read_size(const struct value *u, double *out, int *unit)
-{
-    const char *end = u->text;
-    double v;
-    const bool read = read_double(&end, &v);
-    const bool degrees = read && strcmp(end, "deg") == 0;
-    const bool percent = read && (!*end || strcmp(end, "%") == 0);
-    if (!(percent && v >= 0.1 && v <= 10000.0) &&
-        !(degrees && v >= 0.001 && v <= 180.0))
-        return gp_fail(
-            u->log, GP_ERR_USAGE,
-            "--%s: not a size (found \"%s\"); "
-            "give 0.1 to 10000 percent of the image's pixels, or its "
-            "height as 0.001deg to 180deg",
-            u->option->name, u->text);
-    *out = v;
-    *unit = degrees;
-    return GP_OK;
+                       "--%s: out of range (found %s); give %s",
+                       u->option->name, u->text, m->range);
+    return gp_fail(u->log, GP_ERR_USAGE, "--%s: not %s (found \"%s\"); give %s",
+                   u->option->name, m->what, u->text, m->give);
 }
 
 /* Reads numbers of "x,y,...". */
@@ -159,8 +143,7 @@ static gp_status read_list(const struct value *u, struct gp_numbers *out)
     }
     if (o->at == offsetof(struct gp_settings, sun.at) && list.v[2] < 0.0)
         return gp_fail(u->log, GP_ERR_USAGE,
-                       "--sun: a negative radius (found "
-                       "%g); give 0 or more",
+                       "--sun: a negative radius (found %g); give 0 or more",
                        list.v[2]);
     *out = list;
     return GP_OK;
@@ -172,10 +155,9 @@ gp_status gp_quantity_read(const struct gp_log *log, const struct gp_option *o,
     const struct value u = {log, o, value};
     *out = (struct gp_quantity) {.list.n = 1};
     return o->kind == GP_KIND_NUMBERS ? read_list(&u, &out->list)
-           : o->kind == GP_KIND_SIZE  ? read_size(&u, out->list.v, &out->unit)
-           : o->kind == GP_KIND_LEVEL ? read_level(&u, out->list.v, &out->unit)
-           : o->kind == GP_KIND_THRESHOLD
-               ? read_threshold(&u, out->list.v, &out->unit)
+           : o->kind == GP_KIND_SIZE || o->kind == GP_KIND_LEVEL ||
+                   o->kind == GP_KIND_THRESHOLD
+               ? read_measure(&u, out->list.v, &out->unit)
                : read_number(&u, out->list.v);
 }
 
@@ -233,17 +215,10 @@ static bool may_change(const struct gp_option *o)
             o->group == GP_GROUP_TONE);
 }
 
-/* Keys being read. */
-struct reading {
-    const struct gp_log *log; // says where
-    struct gp_keyed k;
-};
-
 /* Adds a key, of a frame and a value as words. */
-static gp_status add_key(struct reading *r, const char *frame,
-                         const char *value)
+static gp_status add_key(const struct gp_log *log, const char *frame,
+                         const char *value, struct gp_keyed *k)
 {
-    struct gp_keyed *const k = &r->k;
     const char *const name = k->option->name;
     void *block = k->key;
     char *end;
@@ -253,62 +228,32 @@ static gp_status add_key(struct reading *r, const char *frame,
     // (strtol takes blanks and a plus, too)
     if (!*frame || *end || !strchr("-0123456789", *frame) ||
         labs(n) > 1000000000)
-        return gp_fail(r->log, GP_ERR_USAGE,
-                       "--%s: not a frame number (found "
-                       "\"%s\"); write keys as FRAME:VALUE, a line of a file "
-                       "as FRAME,VALUE",
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: not a frame number (found \"%s\"); write keys as "
+                       "FRAME:VALUE, a line of a file as FRAME,VALUE",
                        name, frame);
     if (last && last->frame >= key.frame)
-        return gp_fail(r->log, GP_ERR_USAGE,
-                       "--%s: frames of keys must rise "
-                       "(found %d after %d); sort them",
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: frames of keys must rise (found %d after %d); "
+                       "sort them",
                        name, key.frame, last->frame);
     if (k->n == GP_KEYS_MOST)
-        return gp_fail(r->log, GP_ERR_USAGE,
-                       "--%s: too many keys (over %d); "
-                       "leave some out",
-                       name, GP_KEYS_MOST);
-    gp_status st = gp_quantity_read(r->log, k->option, value, &key.v);
-    if (!st && last &&
-        (last->v.unit != key.v.unit || last->v.list.n != key.v.list.n))
-        st = gp_fail(r->log, GP_ERR_USAGE,
-                     "--%s: keys of two kinds (found "
-                     "\"%s\" after others); give each the same %s",
-                     name, value,
-                     last->v.list.n != key.v.list.n ? "count of numbers"
-                                                    : "unit");
-    if (!st)
-        st =
-            gp_resize(r->log, "keys", ((size_t) k->n + 1) * sizeof key, &block);
-    if (st)
-        return st;
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: too many keys (over %d); leave some out", name,
+                       GP_KEYS_MOST);
+    gp_status st;
+    GP_TRY(gp_quantity_read(log, k->option, value, &key.v));
+    if (last && (last->v.unit != key.v.unit || last->v.list.n != key.v.list.n))
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "--%s: keys of two kinds (found \"%s\" after others); "
+                       "give each the same %s",
+                       name, value,
+                       last->v.list.n != key.v.list.n ? "count of numbers"
+                                                      : "unit"));
+    GP_TRY(gp_resize(log, "keys", ((size_t) k->n + 1) * sizeof key, &block));
     k->key = block;
     k->key[k->n++] = key;
-    return GP_OK;
-}
-
-/* Reads "1001:0.5,1050:2", of lists "1001:3/4,1050:5/6"; changes `text`. */
-static gp_status read_inline(struct reading *r, char *text)
-{
-    const bool list = r->k.option->kind == GP_KIND_NUMBERS;
-    gp_status st = GP_OK;
-    for (char *item = text, *next; item && !st; item = next) {
-        next = strchr(item, ',');
-        if (next)
-            *next++ = '\0';
-        char *const value = strchr(item, ':');
-        if (value)
-            *value = '\0';
-        if (value && list)
-            for (char *c = value + 1; (c = strchr(c, '/'));)
-                *c = ',';
-        st = value ? add_key(r, item, value + 1)
-                   : gp_fail(r->log, GP_ERR_USAGE,
-                             "--%s: not a key (found "
-                             "\"%s\"); write FRAME:VALUE%s",
-                             r->k.option->name, item,
-                             list ? ", a list as FRAME:X/Y" : "");
-    }
+out:
     return st;
 }
 
@@ -328,87 +273,86 @@ static void strip(char *line)
     *to = '\0';
 }
 
-/* Reads lines "frame,value"; the first may be a heading. */
-static gp_status read_lines(struct reading *r, const char *path, char *text)
+/* Reads "1001:0.5,1050:2", of lists "1001:3/4,1050:5/6"; or of a file lines
+ * "frame,value", of which the first may be a heading. Changes `text`. */
+static gp_status read_keys(const struct gp_log *log, const char *file,
+                           char *text, struct gp_keyed *k)
 {
-    const struct gp_log *const log = r->log;
-    gp_status st = GP_OK;
-    bool first = true;
+    const bool list = k->option->kind == GP_KIND_NUMBERS;
+    bool heading = file;
     int n = 1;
-    text += strncmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; // byte order mark
-    for (char *line = text, *next; line && !st; line = next, n++) {
+    gp_status st = GP_OK;
+    if (file && strncmp(text, "\xef\xbb\xbf", 3) == 0) // byte order mark
+        text += 3;
+    for (char *item = text, *next; item && !st; item = next, n++) {
         struct gp_place place;
-        const struct gp_log there = gp_place_log(&place, log, path, n);
-        next = strchr(line, '\n');
+        const struct gp_log there = gp_place_log(&place, log, file, n);
+        const struct gp_log *const to = file ? &there : log;
+        next = strchr(item, file ? '\n' : ',');
         if (next)
             *next++ = '\0';
-        strip(line);
-        if (!*line)
+        if (file)
+            strip(item);
+        const bool first = heading && *item;
+        heading = heading && !first;
+        if (file && (!*item || (first && !strchr("-0123456789", *item))))
             continue;
-        char *const comma = strchr(line, ',');
-        const bool heading = first && !strchr("-0123456789", *line);
-        first = false;
-        if (heading)
-            continue;
-        if (comma)
-            *comma = '\0';
-        r->log = &there;
-        st = comma ? add_key(r, line, comma + 1)
-                   : gp_fail(r->log, GP_ERR_DATA,
-                             "--%s: no value (found "
-                             "\"%s\"); write FRAME,VALUE",
-                             r->k.option->name, line);
+        char *const value = strchr(item, file ? ',' : ':');
+        if (value)
+            *value = '\0';
+        for (char *c = value; !file && list && c && (c = strchr(c + 1, '/'));)
+            *c = ',';
+        st = value ? add_key(to, item, value + 1, k)
+             : file
+                 ? gp_fail(to, GP_ERR_USAGE,
+                           "--%s: no value (found \"%s\"); write FRAME,VALUE",
+                           k->option->name, item)
+                 : gp_fail(to, GP_ERR_USAGE,
+                           "--%s: not a key (found \"%s\"); write "
+                           "FRAME:VALUE%s",
+                           k->option->name, item,
+                           list ? ", a list as FRAME:X/Y" : "");
     }
-    r->log = log;
-    if (st == GP_ERR_USAGE) // it is the file that is wrong
-        st = GP_ERR_DATA;
-    return st || r->k.n ? st
-                        : gp_fail(log, GP_ERR_DATA,
-                                  "%s: no keys of --%s (the "
-                                  "file has no line FRAME,VALUE); write one a "
-                                  "line",
-                                  path, r->k.option->name);
+    if (!st && file && !k->n)
+        st = gp_fail(log, GP_ERR_USAGE,
+                     "%s: no keys of --%s (the file has no line FRAME,VALUE); "
+                     "write one a line",
+                     file, k->option->name);
+    return st == GP_ERR_USAGE && file ? GP_ERR_DATA : st; // the file is wrong
 }
 
 gp_status gp_keys_read(const struct gp_log *log, const struct gp_option *o,
                        const char *value, struct gp_settings *s)
 {
-    struct reading r = {log, {.option = o, .file = NULL}};
-    void *block = s->keyed;
-    char *text = NULL;
-    uint64_t size;
+    struct gp_keyed k = {.option = o, .file = NULL};
+    void *block = s->keyed, *text = NULL;
+    uint64_t size = 0;
     gp_status st;
     if (!may_change(o) || s->command != GP_COMMAND_MAIN)
         return gp_fail(log, GP_ERR_USAGE,
-                       "--%s: takes no keys here (found "
-                       "%s), as it is the same for all frames; give one value",
+                       "--%s: takes no keys here (found %s), as it is the same "
+                       "for all frames; give one value",
                        o->name, value);
-    if (*value == '@') {
-        r.k.file = value + 1;
-        st = gp_text_load(log, r.k.file, MOST_BYTES, &text, &size);
-        if (!st && size > MOST_BYTES)
-            st = gp_fail(log, GP_ERR_DATA,
-                         "%s: too large (over %d MiB); leave "
-                         "some keys out",
-                         r.k.file, MOST_BYTES >> 20);
-        if (!st)
-            st = read_lines(&r, r.k.file, text);
-    } else {
-        text = gp_strdup(value);
-        st = text ? read_inline(&r, text) : gp_no_memory_bare(log, "keys");
-    }
-    gp_free(text);
-    if (!st)
-        st = gp_resize(log, "keys", ((size_t) s->keyeds + 1) * sizeof *s->keyed,
-                       &block);
-    if (st) {
-        gp_free(r.k.key);
-        return st;
-    }
+    k.file = *value == '@' ? value + 1 : NULL;
+    if (k.file) {
+        GP_TRY(gp_load_regular(log, k.file, MOST_BYTES, &text, &size));
+        if (size > MOST_BYTES)
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                           "%s: too large (over %d MiB); leave some keys out",
+                           k.file, MOST_BYTES >> 20));
+    } else if (!(text = gp_strdup(value)))
+        GP_TRY(gp_no_memory_bare(log, "keys"));
+    GP_TRY(read_keys(log, k.file, text, &k));
+    GP_TRY(gp_resize(log, "keys", ((size_t) s->keyeds + 1) * sizeof *s->keyed,
+                     &block));
     s->keyed = block;
-    s->keyed[s->keyeds++] = r.k;
-    gp_quantity_set(o, &r.k.key[0].v, s);
-    return GP_OK;
+    s->keyed[s->keyeds++] = k;
+    gp_quantity_set(o, &k.key[0].v, s);
+    k.key = NULL; // the settings'
+out:
+    gp_free(k.key);
+    gp_free(text);
+    return st;
 }
 
 void gp_keys_drop(struct gp_settings *s, const struct gp_option *o)

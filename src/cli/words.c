@@ -34,23 +34,6 @@ struct gp_log gp_place_log(struct gp_place *p, const struct gp_log *to,
     return (struct gp_log) {say_there, p, to ? to->level : GP_LEVEL_ERROR};
 }
 
-gp_status gp_text_load(const struct gp_log *log, const char *path, size_t most,
-                       char **out, uint64_t *size)
-{
-    void *block;
-    gp_status st = gp_load_regular(log, path, most, &block, size);
-    if (st)
-        return st;
-    const size_t n = *size < most ? (size_t) *size : most;
-    st = gp_resize(log, path, n + 1, &block);
-    *out = block;
-    if (st)
-        GP_FREE(*out);
-    else
-        (*out)[n] = '\0';
-    return st;
-}
-
 // -- options as words ----------------------------------------------------------
 
 const char *gp_base_name(const char *path)
@@ -76,6 +59,14 @@ void gp_word_print(FILE *f, const char *head, size_t n, const char *word)
     }
     if (!bare)
         fputc('\'', f);
+}
+
+/* Ends a stream of open_memstream() and its *text; false where memory was full.
+ * (glibc's fclose() succeeds even when the last block cannot be allocated.) */
+static bool end_text(FILE *f, char *const *text)
+{
+    const bool full = ferror(f);
+    return fclose(f) == 0 && !full && *text;
 }
 
 /* Returns the path that an option's value names, up to its end, or to a comma
@@ -149,9 +140,7 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     print_options(f, s, " ", whole);
     for (int i = 0; i < inputs; i++)
         gp_word_print(f, "", 0, whole ? input[i] : gp_base_name(input[i]));
-    const bool full = ferror(f);
-    // (glibc's fclose() succeeds even when the last block cannot be allocated)
-    const bool written = fclose(f) == 0 && !full && text;
+    const bool written = end_text(f, &text);
     if (written) // control characters would break listings of the file
         gp_make_printable(text);
     json_t *const clean = written ? gp_json_name(text) : NULL;
@@ -178,8 +167,7 @@ gp_status gp_settings_save(const struct gp_log *log,
                "for --settings");
     print_options(f, s, "\n", true);
     fprintf(f, "\n");
-    const bool full = ferror(f);
-    if (fclose(f) != 0 || full || !text)
+    if (!end_text(f, &text))
         GP_TRY(gp_no_memory(log, path));
     GP_TRY(gp_file_open(log, path, s->output.write.create_dir, &file));
     GP_TRY(gp_file_write(file, text, size));
@@ -256,46 +244,35 @@ static char *text_of(const struct gp_frame *f, const char *name)
     return text;
 }
 
-/* Appends " OPTION NAME" to a text of gp_alloc(). */
-static gp_status append_output(const struct gp_log *log, const char *output,
-                               const char *path, char **text)
-{
-    char *whole = NULL;
-    size_t size;
-    FILE *const f = open_memstream(&whole, &size);
-    if (f) {
-        fputs(*text, f);
-        gp_word_print(f, "", 0, output);
-        gp_word_print(f, "", 0, gp_base_name(path));
-    }
-    const bool full = f && ferror(f);
-    const bool written = f && fclose(f) == 0 && !full && whole;
-    gp_free(*text);
-    *text = written ? gp_strdup(whole) : NULL;
-    free(whole);
-    return *text ? GP_OK : gp_no_memory(log, path);
-}
-
 gp_status gp_words_command(const struct gp_log *log, const char *path,
                            bool named, char **out)
 {
     const struct gp_read_params p = GP_READ_DEFAULTS;
     struct gp_frame f;
+    size_t size;
     gp_status st = gp_read_frame(log, &p, path, &f);
+    *out = NULL;
     if (st)
         return st;
-    *out = text_of(&f, "glarepp:command");
-    char *const output = *out && named ? text_of(&f, "glarepp:output") : NULL;
+    char *const command = text_of(&f, "glarepp:command");
+    char *const output =
+        command && named ? text_of(&f, "glarepp:output") : NULL;
     gp_frame_free(&f);
-    if (output)
-        st = append_output(log, output, path, out);
-    else if (!*out)
-        st = gp_fail(log, GP_ERR_DATA,
-                     "%s: no settings (found no glarepp:command); "
-                     "give a picture that glarepp made",
-                     path);
+    if (!command)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: no settings (found no glarepp:command); give a "
+                       "picture that glarepp made",
+                       path);
+    FILE *const text = open_memstream(out, &size);
+    if (text)
+        fputs(command, text);
+    if (text && output) {
+        gp_word_print(text, "", 0, output);
+        gp_word_print(text, "", 0, gp_base_name(path));
+    }
+    gp_free(command);
     gp_free(output);
-    return st;
+    return text && end_text(text, out) ? GP_OK : gp_no_memory(log, path);
 }
 
 /* Leaves the options of a command: not its first word, nor its input. */
@@ -320,11 +297,13 @@ gp_status gp_words_read(const struct gp_log *log, const char *path,
                         struct gp_words **out)
 {
     struct gp_words *w;
+    void *block;
     uint64_t size = 0;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "settings", 1, sizeof *w, &w));
     w->path = path;
-    GP_TRY(gp_text_load(log, path, MOST_BYTES, &w->text, &size));
+    GP_TRY(gp_load_regular(log, path, MOST_BYTES, &block, &size));
+    w->text = block;
     const bool picture = strncmp(w->text, "\x89PNG", 4) == 0 ||
                          strncmp(w->text, "\x76\x2f\x31\x01", 4) == 0;
     if (picture) {

@@ -14,12 +14,6 @@ struct gp_place {
 struct gp_log gp_place_log(struct gp_place *p, const struct gp_log *to,
                            const char *path, int line);
 
-/* Reads the first `most` bytes of a regular file and ends them with a null byte.
- *   size  of the file
- * Errors: those of gp_load_regular(). */
-GP_MUST_CHECK gp_status gp_text_load(const struct gp_log *log, const char *path,
-                                     size_t most, char **out, uint64_t *size);
-
 /* The command line that makes the same picture of those inputs, from malloc:
  * the given options that a pixel can depend on, then the inputs; quoted for a
  * shell, in UTF-8, on one line, file names without their folders unless it is to run

@@ -296,6 +296,8 @@ gp_status gp_load_regular(const struct gp_log *log, const char *path,
     if (bytes < wanted)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (it shrank meanwhile); "
                        "check the file", path));
+    GP_TRY(gp_resize(log, path, bytes + 1, &block));
+    ((char *) block)[bytes] = '\0';
     *out = block;
     *size = all;
     block = NULL; // the caller's

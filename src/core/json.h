@@ -47,7 +47,8 @@ gp_status gp_json_fail(const struct gp_json_place *p, const char *fmt, ...)
 GP_MUST_CHECK gp_status gp_open_regular(const struct gp_log *log,
     const char *path, int *fd, uint64_t *size);
 
-/* Reads the first bytes of such a file, all that it has or `most`.
+/* Reads the first bytes of such a file, all that it has or `most`, and ends them
+ * with a null byte.
  *   out   written on GP_OK only; gp_free()
  *   size  of the file in bytes; more than `most`: the rest is not read
  * Errors: those of gp_open_regular(); GP_ERR_IO cannot be read, shrank
