@@ -34,18 +34,20 @@ struct need {
 static void look_at_outputs(const struct gp_settings *s, bool *files,
                             bool *stream)
 {
-    const struct gp_texts *const outputs[] = {&s->output.pictures,
-                                              &s->output.hdr, &s->output.layer,
-                                              &s->output.parts};
+    const struct gp_output_settings *const o = &s->output;
+    const struct gp_texts outputs[] = {
+        o->pictures,
+        o->hdr,
+        o->layer,
+        o->parts,
+        {(const char **) (uintptr_t) o->debug, GP_DEBUG_KINDS},
+    };
     *files = *stream = false;
-    for (int k = 0; k < 4; k++) {
-        *files = *files || outputs[k]->n;
-        for (int i = 0; i < outputs[k]->n; i++)
-            *stream = *stream || open_ended(outputs[k]->at[i]);
-    }
-    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
-        *stream = *stream || open_ended(s->output.debug[i]);
-        *files = *files || s->output.debug[i];
+    for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++) {
+        for (int i = 0; i < outputs[k].n; i++) {
+            *files |= outputs[k].at[i] != NULL;
+            *stream |= open_ended(outputs[k].at[i]);
+        }
     }
 }
 
@@ -168,17 +170,14 @@ static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
 {
     enum { MOST = 65536 };
     const char *const word = s->output.grow ? s->output.grow : "0";
-    char *end;
-    const long n = strtol(word, &end, 10);
-    const bool number = end != word && !*end && *word >= '0' && *word <= '9';
+    int n = 0;
     const bool kernel = strcmp(word, "kernel") == 0;
     const bool none = strcmp(word, "none") == 0;
-    if (!kernel && !none && (!number || n > MOST))
+    if (!kernel && !none && (!gp_read_whole(word, "", &n) || n > MOST))
         return gp_fail(log, GP_ERR_USAGE, "--grow: not a number of pixels "
                        "(found \"%s\"); give 0 to %d, kernel or none", word,
                        MOST);
-    s->output.grow_pixels = kernel ? GP_GROW_KERNEL
-                            : none ? GP_GROW_NONE : (int) n;
+    s->output.grow_pixels = kernel ? GP_GROW_KERNEL : none ? GP_GROW_NONE : n;
     return GP_OK;
 }
 
@@ -357,32 +356,28 @@ static gp_status check_outputs(const struct gp_log *log,
                                const struct gp_settings *s)
 {
     const bool bench = s->command == GP_COMMAND_BENCH;
-    bool wants = s->output.pictures.n || s->output.hdr.n || s->output.layer.n ||
-                 s->output.parts.n || s->run.report || s->sun.write_lights;
+    bool files, stream;
+    look_at_outputs(s, &files, &stream);
+    const bool wants = files || s->run.report || s->sun.write_lights;
     for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
         if (s->output.debug[i])
             return gp_fail(log, GP_ERR_USAGE,
-                           "--debug %s: of glarepp sets "
-                           "only; write glarepp sets --debug %s=%s SCENE",
+                           "--debug %s: of glarepp sets only; write glarepp "
+                           "sets --debug %s=%s SCENE",
                            debug_name(i), debug_name(i), s->output.debug[i]);
     }
-    for (int i = 0; i < GP_DEBUG_KINDS; i++)
-        wants = wants || s->output.debug[i];
     if (bench && (s->lens.lens || s->sun.p.flare) && gp_lights_wanted(s))
         return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "
                        "pixels, and lights by their visibility (found a "
                        "light); leave one out", s->lens.lens ? "--lens"
                                                              : "--flare");
     const struct gp_texts *const in = &s->input.files;
-    const struct gp_command_row *c = gp_commands + 1;
-    while (in->n && c->word && strcmp(c->word, in->at[0]) != 0)
-        c++;
-    if (s->command == GP_COMMAND_MAIN && in->n && c->word &&
+    if (s->command == GP_COMMAND_MAIN && in->n && gp_command_named(in->at[0]) &&
         access(in->at[0], F_OK) != 0)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: no such file (found a command's "
-                       "name); write the command first: glarepp %s",
-                       c->word, c->word);
+                       "%s: no such file (found a command's name); write the "
+                       "command first: glarepp %s",
+                       in->at[0], in->at[0]);
     const bool saves = s->words.save_settings && !in->n; // nothing else
     if (saves && wants)
         return gp_fail(log, GP_ERR_USAGE, "no input; write %s",
@@ -411,13 +406,13 @@ static gp_status set_lights_file(const struct gp_log *log,
         (!gp_read_whole(sun->lights + n + 1, "", &found) || found < 1 ||
          found > 256))
         return gp_fail(log, GP_ERR_USAGE,
-                       "--lights: not a number of lights "
-                       "(found \"%s\"); give auto:1 to auto:256",
+                       "--lights: not a number of lights (found \"%s\"); give "
+                       "auto:1 to auto:256",
                        sun->lights);
     if (spots && s->command == GP_COMMAND_BENCH)
         return gp_fail(log, GP_ERR_USAGE,
-                       "--lights: bench measures what hides "
-                       "a light, and nothing hides those of auto; give a file");
+                       "--lights: bench measures what hides a light, and "
+                       "nothing hides those of auto; give a file");
     if (sun->write_lights && !spots)
         return gp_fail(log, GP_ERR_USAGE,
                        "--write-lights: needs lights to "
@@ -596,10 +591,9 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                "--relight: its lamps glare as discs, too; add --sun-in-frame "
                "where the frame shows them, or is to be lit alone");
     if (sun->p.found && s->output.write.no_clobber)
-        gp_say(
-            warn, GP_LEVEL_WARN,
-            "--lights auto: with --no-clobber the first "
-            "frame that is made names them; give the file of --write-lights");
+        gp_say(warn, GP_LEVEL_WARN,
+               "--lights auto: with --no-clobber the first frame that is made "
+               "names them; give the file of --write-lights");
     GP_TRY(set_mix(log, s));
     // Ando et al. spread whole pixels and add the layer
     const bool bench = s->command == GP_COMMAND_BENCH;

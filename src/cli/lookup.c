@@ -74,6 +74,14 @@ const struct gp_command_row gp_commands[] = {
     {0},
 };
 
+const struct gp_command_row *gp_command_named(const char *word)
+{
+    const struct gp_command_row *c = gp_commands + 1;
+    while (c->word && strcmp(c->word, word) != 0)
+        c++;
+    return c->word ? c : NULL;
+}
+
 const struct gp_command_row *gp_command_of(unsigned commands)
 {
     const struct gp_command_row *c = gp_commands;

@@ -444,8 +444,9 @@ struct gp_command_row {
 };
 extern const struct gp_command_row gp_commands[];
 
-/* The row of a command, of several bits the first. */
+/* The row of a command, of several bits the first; that of a word, or NULL. */
 const struct gp_command_row *gp_command_of(unsigned commands);
+const struct gp_command_row *gp_command_named(const char *word);
 
 /* Reads the command line into *out, which starts as gp_defaults; the last value
  * of an option wins, unless it is `once`. Then checks the settings, unless

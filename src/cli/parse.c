@@ -162,21 +162,6 @@ static gp_status set_value(const struct use *u, struct gp_settings *s)
     case GP_KIND_SET:
         memcpy(field, &u->option->set, sizeof u->option->set);
         return GP_OK;
-    case GP_KIND_FLOAT:
-    case GP_KIND_REAL:
-    case GP_KIND_INT:
-    case GP_KIND_COUNT:
-    case GP_KIND_LEVEL:
-    case GP_KIND_THRESHOLD:
-    case GP_KIND_SIZE:
-    case GP_KIND_NUMBERS:
-        gp_keys_drop(s, u->option);
-        if (gp_keys_are(u->value))
-            return gp_keys_read(u->log, u->option, u->value, s);
-        st = gp_quantity_read(u->log, u->option, u->value, &q);
-        if (!st)
-            gp_quantity_set(u->option, &q, s);
-        return st;
     case GP_KIND_CHOICE:
     case GP_KIND_EITHER:
     case GP_KIND_NAMED:
@@ -184,8 +169,15 @@ static gp_status set_value(const struct use *u, struct gp_settings *s)
     case GP_KIND_TEXT:
     case GP_KIND_TEXTS:
         return set_text(u, field);
+    default: // numbers
+        gp_keys_drop(s, u->option);
+        if (gp_keys_are(u->value))
+            return gp_keys_read(u->log, u->option, u->value, s);
+        st = gp_quantity_read(u->log, u->option, u->value, &q);
+        if (!st)
+            gp_quantity_set(u->option, &q, s);
+        return st;
     }
-    return GP_ERR_BUG;
 }
 
 // -- words -------------------------------------------------------------------
@@ -353,16 +345,6 @@ static gp_status read_settings(const struct gp_log *log, const char *path,
                               : st; // it is the file that is wrong
 }
 
-/* Reads the option at argv[*i] and moves *i to its last word. */
-static gp_status read_option(const struct gp_log *log, int argc,
-                             char *const argv[], int *i, struct gp_settings *s)
-{
-    struct use u;
-    const gp_status st =
-        find_use(log, argc, (const char *const *) argv, i, s, &u);
-    return st ? st : take_use(&u, s);
-}
-
 /* Sets the options of the style that the command has and that are not given. */
 static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
 {
@@ -375,6 +357,21 @@ static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
             st = set_value(&u, s);
     }
     return st;
+}
+
+/* Fails for a misspelt command, which must not be read as an input. */
+static gp_status check_command(const struct gp_log *log, const char *first)
+{
+    struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
+    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++)
+        gp_nearest_try(&near, c->word);
+    return near.name && !first[strspn(first, LETTERS)] &&
+                   access(first, F_OK) != 0
+               ? gp_fail(
+                     log, GP_ERR_USAGE,
+                     "%s: no such command or file; did you mean glarepp %s?",
+                     first, near.name)
+               : GP_OK;
 }
 
 gp_status gp_options_parse(const struct gp_log *log, int argc,
@@ -404,23 +401,15 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
         lists[k]->at = out->words.all + k * room;
     if (st)
         return st;
-    // a misspelt command must not be read as an input
     const char *const first = argc > 1 ? argv[1] : "";
-    struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
-    for (const struct gp_command_row *c = gp_commands + 1; c->word && i == 1;
-         c++) {
-        if (strcmp(first, c->word) == 0) {
-            out->command = c->bit;
-            i++;
-        }
-        gp_nearest_try(&near, c->word);
-    }
-    if (i == 1 && near.name &&
-        !first[strspn(first, LETTERS)] &&
-        access(first, F_OK) != 0)
-        return gp_fail(log, GP_ERR_USAGE, "%s: no such command or file; did "
-                       "you mean glarepp %s?", first, near.name);
+    const struct gp_command_row *const own = gp_command_named(first);
+    if (own) {
+        out->command = own->bit;
+        i++;
+    } else
+        st = check_command(log, first);
     for (; i < argc && !st; i++) {
+        struct use u;
         const char *const word = argv[i], *value;
         const struct gp_option *const o =
             word[0] == '-' && word[1] ? split_word(word, out->command, &value)
@@ -430,9 +419,10 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
                            !(o && (o->commands & GP_COMMAND_HELP));
         if (options && strcmp(word, "--") == 0)
             options = false;
-        else if (options && word[0] == '-' && word[1] && !topic)
-            st = read_option(log, argc, argv, &i, out);
-        else
+        else if (options && word[0] == '-' && word[1] && !topic) {
+            st = find_use(log, argc, (const char *const *) argv, &i, out, &u);
+            st = st ? st : take_use(&u, out);
+        } else
             out->input.files.at[out->input.files.n++] = word;
     }
     for (int k = out->words.settings.n - 1; k >= 0 && !st; k--)

@@ -273,10 +273,10 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
         gp_progress_fail(p->progress, p->run.jobs->views);
     for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
         struct gp_frame_report *const facts = &u->view[v].facts;
-        facts->job.warned = u->log.warned;
-        facts->job.warned_bytes = u->log.warned_bytes;
+        facts->job.said = u->log.text;
+        facts->job.said_bytes = u->log.bytes;
         facts->job.status = st;
-        facts->job.error = st ? u->log.last : NULL;
+        facts->job.error = st ? gp_frame_log_error(&u->log) : NULL;
         if (!st) {
             if (facts->dark &&
                 (!p->dark ||

@@ -237,37 +237,35 @@ static void print_message(const struct gp_frame_log *l, const char *kept)
         l->to->sink(l->to->user, &(struct gp_line) {level, GP_OK, "", kept + 1});
 }
 
-/* Returns false when memory is full. */
-static bool append(char **text, size_t *used, const char *more, size_t bytes)
-{
-    char *const grown = realloc(*text, *used + bytes);
-    if (!grown)
-        return false;
-    memcpy(grown + *used, more, bytes);
-    *text = grown;
-    *used += bytes;
-    return true;
-}
-
-/* Prints a message of the oldest unit, or when memory is full; keeps others. */
+/* Keeps a message; prints those of the oldest unit, and one that finds memory
+ * full. */
 static void log_message(void *user, const struct gp_line *message)
 {
     struct gp_frame_log *const l = user;
     const bool bare = message->level == GP_LEVEL_BARE;
-    const enum gp_level level = bare ? GP_LEVEL_ERROR : message->level;
-    char kept[GP_LINE_BYTES + 1] = {(char) level};
+    char kept[GP_LINE_BYTES + 1] = {
+        (char) (bare ? GP_LEVEL_ERROR : message->level)};
     snprintf(kept + 1, sizeof kept - 1, "%s%s%s", bare ? l->name : "",
              bare ? ": " : "", message->text);
     const size_t bytes = strlen(kept + 1) + 2;
-    if (level == GP_LEVEL_WARN) // for the report
-        (void) append(&l->warned, &l->warned_bytes, kept + 1, bytes - 1);
-    if (level == GP_LEVEL_ERROR)
-        snprintf(l->last, sizeof l->last, "%s", kept + 1);
-    if (atomic_load(l->head) == l->unit ||
-        !append(&l->text, &l->used, kept, bytes)) {
-        gp_frame_log_flush(l);
-        print_message(l, kept);
+    char *const grown = realloc(l->text, l->bytes + bytes);
+    if (grown) {
+        l->text = grown;
+        memcpy(l->text + l->bytes, kept, bytes);
+        l->bytes += bytes;
     }
+    if (atomic_load(l->head) == l->unit || !grown)
+        gp_frame_log_flush(l);
+    if (!grown)
+        print_message(l, kept);
+}
+
+const char *gp_frame_log_error(const struct gp_frame_log *l)
+{
+    const char *last = NULL, *m = l->text;
+    for (; m < l->text + l->bytes; m += strlen(m + 1) + 2)
+        last = *m == GP_LEVEL_ERROR ? m + 1 : last;
+    return last;
 }
 
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
@@ -282,15 +280,14 @@ void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
 
 void gp_frame_log_flush(struct gp_frame_log *l)
 {
-    for (size_t at = 0; at < l->used; at += strlen(l->text + at + 1) + 2)
-        print_message(l, l->text + at);
-    l->used = 0;
+    for (; l->printed < l->bytes;
+         l->printed += strlen(l->text + l->printed + 1) + 2)
+        print_message(l, l->text + l->printed);
 }
 
 void gp_frame_log_close(struct gp_frame_log *l)
 {
     free(l->text);
-    free(l->warned);
     *l = (struct gp_frame_log) {0};
 }
 

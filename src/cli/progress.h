@@ -66,11 +66,9 @@ struct gp_frame_log {
     const atomic_int *head;          // unit that is ended next; borrowed
     int unit;
     const char *name;                // of the unit's file; borrowed
-    char *text;                      // owned: messages that are kept, and
-    size_t used;                     // their bytes
-    char last[GP_LINE_BYTES];        // the last error's line
-    char *warned;                    // owned: the lines of warnings, each with
-    size_t warned_bytes;             // its null byte
+    char *text;                      // owned: messages, each its level, its
+                                     // line and a null byte
+    size_t bytes, printed;           // of them; of these printed
 };
 
 /* Starts without messages. `l` must not move until gp_frame_log_close(). `name`
@@ -81,7 +79,10 @@ void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
 /* Prints the messages that are still kept. */
 void gp_frame_log_flush(struct gp_frame_log *l);
 
-/* Drops kept messages and frees. A zeroed one is fine. */
+/* The line of the last error; NULL: there is none, or memory was full. */
+const char *gp_frame_log_error(const struct gp_frame_log *l);
+
+/* Frees messages. A zeroed one is fine. */
 void gp_frame_log_close(struct gp_frame_log *l);
 
 /* Prints that `kept` jobs were skipped by --no-clobber, and how many failed with

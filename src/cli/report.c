@@ -424,8 +424,11 @@ static json_t *warnings_json(const struct gp_frame_report *f)
         gp_frame_report_dark(f, 1, line, sizeof line);
         json_array_append_new(list, gp_json_name(line));
     }
-    for (size_t at = 0; at < j->warned_bytes; at += strlen(j->warned + at) + 1)
-        json_array_append_new(list, gp_json_name(j->warned + at));
+    for (const char *m = j->said; m < j->said + j->said_bytes;
+         m += strlen(m + 1) + 2) {
+        if (*m == GP_LEVEL_WARN)
+            json_array_append_new(list, gp_json_name(m + 1));
+    }
     return list;
 }
 

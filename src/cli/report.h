@@ -34,8 +34,8 @@ struct gp_job_report {
     char *command;               // that makes the picture again; owned, or NULL
     const struct gp_settings *settings; // of the run; NULL: left out
     const char *views;           // line about the views of the run, or NULL
-    const char *warned;          // `warned_bytes` of lines, each with its null
-    size_t warned_bytes;         // byte
+    const char *said;            // `said_bytes` of messages, as in gp_frame_log
+    size_t said_bytes;
     gp_status status;
     const char *error;           // the message of a frame that failed
 };

@@ -278,16 +278,14 @@ gp_status gp_words_command(const struct gp_log *log, const char *path,
 /* Leaves the options of a command: not its first word, nor its input. */
 static gp_status take_options(const struct gp_log *log, struct gp_words *w)
 {
-    const struct gp_command_row *c = gp_commands + 1;
-    while (w->n > 2 && c->word && strcmp(c->word, w->word[1]) != 0)
-        c++;
-    if (w->n < 2 || strcmp(w->word[0], "glarepp") != 0 || (w->n > 2 && c->word))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: no settings of a picture (found "
-                       "the command %s%s%s); give a picture of glarepp -o, "
-                       "--hdr or --layer",
-                       w->path, w->n ? w->word[0] : "\"\"", w->n > 1 ? " " : "",
-                       w->n > 1 ? w->word[1] : "");
+    if (w->n < 2 || strcmp(w->word[0], "glarepp") != 0 ||
+        (w->n > 2 && gp_command_named(w->word[1])))
+        return gp_fail(
+            log, GP_ERR_DATA,
+            "%s: no settings of a picture (found the command "
+            "%s%s%s); give a picture of glarepp -o, --hdr or --layer",
+            w->path, w->n ? w->word[0] : "\"\"", w->n > 1 ? " " : "",
+            w->n > 1 ? w->word[1] : "");
     w->n -= 2;
     memmove(w->word, w->word + 1, (size_t) w->n * sizeof *w->word);
     return GP_OK;
