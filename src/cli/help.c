@@ -94,18 +94,16 @@ static void print_option(FILE *f, const struct gp_option *o)
 static bool print_group(FILE *f, int group, unsigned commands)
 {
     const struct gp_option_heading *const head = &gp_option_groups[group];
-    const char *const words = head->example + strlen("glarepp ");
-    const struct gp_command_row *own = gp_commands + 1; // of the example
+    const struct gp_option *first = gp_options; // the example is of its command
     bool headed = false;
-    while (own->word && strncmp(words, own->word, strlen(own->word)) != 0)
-        own++;
-    own = !own->word || own->bit == GP_COMMAND_HELP ? gp_commands : own;
-    for (const struct gp_option *o = gp_options; o->name; o++) {
+    while ((int) first->group != group)
+        first++;
+    for (const struct gp_option *o = first; o->name; o++) {
         if ((int) o->group != group || !o->help || !(o->commands & commands))
             continue;
         if (!headed)
             fprintf(f, "%s\n", head->title);
-        if (!headed && (commands & own->bit))
+        if (!headed && (commands & gp_command_of(first->commands)->bit))
             fprintf(f, "    %s\n", head->example);
         headed = true;
         print_option(f, o);
@@ -137,7 +135,6 @@ void gp_help(FILE *f, enum gp_command command)
             "commands.\n");
 }
 
-
 // -- topics ------------------------------------------------------------------
 
 /* Sections of the man page that are topics; check-man compares them. */
@@ -168,7 +165,8 @@ enum { SECTIONS = sizeof sections / sizeof *sections };
 struct topic {
     enum { COMMAND, ALL_OPTIONS, GROUP, SECTION } kind;
     const char *word, *text; // the text may have more than one line
-    unsigned commands;       // that take options of the group
+    unsigned commands; // the command; those that take options of the group
+    int group;
 };
 
 /* True when the topic is one of the words, but for case and a last "s". */
@@ -191,23 +189,23 @@ static bool is_topic(const char *topic, const char *words)
 static bool topic_at(int i, struct topic *t)
 {
     for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
-        *t = (struct topic) {COMMAND, c->word, c->usage, 0};
+        *t = (struct topic) {COMMAND, c->word, c->usage, c->bit, 0};
         if (i-- == 0)
             return true;
     }
-    *t = (struct topic) {ALL_OPTIONS, "all", "", 0};
+    *t = (struct topic) {ALL_OPTIONS, "all", "", GP_COMMAND_MAIN, 0};
     if (i-- == 0)
         return true;
     for (int g = 0; g < GP_GROUPS; g++) {
         const struct gp_option_heading *const head = &gp_option_groups[g];
-        *t = (struct topic) {GROUP, head->word, head->title, 0};
+        *t = (struct topic) {GROUP, head->word, head->title, 0, g};
         for (const struct gp_option *o = gp_options; o->name; o++)
             t->commands |= (int) o->group == g ? o->commands : 0;
         if (i-- == 0)
             return true;
     }
     for (const struct section *k = sections; k < sections + SECTIONS; k++) {
-        *t = (struct topic) {SECTION, k->word, k->title, 0};
+        *t = (struct topic) {SECTION, k->word, k->title, 0, 0};
         if (*k->word && i-- == 0)
             return true;
     }
@@ -322,19 +320,16 @@ static int print_options_of(FILE *f, const char *topic, enum match match)
 gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
 {
     const struct section *section = NULL;
+    struct topic t;
     bool found = false;
-    if (topic && strcasecmp(topic, "all") == 0) {
-        gp_help(f, GP_COMMAND_MAIN);
-        return GP_OK;
-    }
     if (!topic) {
         static const char *const heads[] = {
             ("Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
              "TOPIC is a command:"),
-            "the options of pictures:", "options for a task:",
+            "the options of pictures:",
+            "options for a task:",
             "a section of the manual:",
         };
-        struct topic t;
         for (int i = 0, kind = -1; topic_at(i, &t); i++) {
             if (!t.text) // of help itself
                 continue;
@@ -355,16 +350,13 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
     const bool dashed = bare > topic;
     if (!*bare)
         return unknown_topic(log, topic);
-    for (const struct gp_command_row *c = gp_commands + 1; c->word && !found;
-         c++) {
-        found = c->bit != GP_COMMAND_HELP && strcasecmp(c->word, bare) == 0;
-        if (found)
-            gp_help(f, c->bit);
-    }
-    for (int g = 0; !found && !dashed && g < GP_GROUPS; g++) {
-        found = strcasecmp(gp_option_groups[g].word, bare) == 0;
-        if (found)
-            print_group(f, g, ~0u);
+    for (int i = 0; !found && topic_at(i, &t); i++) {
+        found = strcasecmp(t.word, bare) == 0 && t.kind != SECTION && t.text &&
+                (t.kind == COMMAND || !dashed);
+        if (found && t.kind == GROUP)
+            print_group(f, t.group, ~0u);
+        else if (found)
+            gp_help(f, (enum gp_command) t.commands);
     }
     for (int i = 0; !dashed && i < SECTIONS && !section; i++)
         section = is_topic(bare, sections[i].word) ||

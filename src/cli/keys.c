@@ -14,18 +14,11 @@
 
 // -- numbers -------------------------------------------------------------------
 
-/* The value of an option as a word. */
-struct value {
-    const struct gp_log *log;
-    const struct gp_option *option;
-    const char *text;
-};
-
-static gp_status out_of_range(const struct value *u)
+static gp_status out_of_range(const struct gp_use *u)
 {
     return gp_fail(u->log, GP_ERR_USAGE,
                    "--%s: out of range (found %s); give %s", u->option->name,
-                   u->text, gp_option_range(u->option).text);
+                   u->value, gp_option_range(u->option).text);
 }
 
 /* Reads a number, without blanks before it, and moves *s after it. (Its decimal
@@ -41,19 +34,19 @@ static bool read_double(const char **s, double *out)
     return read;
 }
 
-static gp_status read_number(const struct value *u, double *out)
+static gp_status read_number(const struct gp_use *u, double *out)
 {
     const struct gp_option *const o = u->option;
     const bool whole = o->kind == GP_KIND_INT || o->kind == GP_KIND_COUNT;
     char *end;
-    const char *s = u->text;
+    const char *s = u->value;
     double v;
     errno = 0;
-    const long long n = whole ? strtoll(u->text, &end, 10) : 0;
-    if (whole ? end == u->text || *end : !read_double(&s, &v) || *s)
+    const long long n = whole ? strtoll(u->value, &end, 10) : 0;
+    if (whole ? end == u->value || *end : !read_double(&s, &v) || *s)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: not %s (found \"%s\"); give %s", o->name,
-                       whole ? "a whole number" : "a number", u->text,
+                       whole ? "a whole number" : "a number", u->value,
                        gp_option_range(o).text);
     v = whole ? (double) n : v; // (ranges end before 2^53)
     if ((whole && errno == ERANGE) || !(v >= o->lo && v <= o->hi)) // NaN too
@@ -89,10 +82,10 @@ static const struct measure {
 };
 // clang-format on
 
-static gp_status read_measure(const struct value *u, double *out, int *unit)
+static gp_status read_measure(const struct gp_use *u, double *out, int *unit)
 {
     const struct measure *m = measures;
-    const char *end = u->text;
+    const char *end = u->value;
     int i = 0;
     *unit = AUTO;
     *out = 0.0;
@@ -112,17 +105,17 @@ static gp_status read_measure(const struct value *u, double *out, int *unit)
     if (known && m->range)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: out of range (found %s); give %s",
-                       u->option->name, u->text, m->range);
+                       u->option->name, u->value, m->range);
     return gp_fail(u->log, GP_ERR_USAGE, "--%s: not %s (found \"%s\"); give %s",
-                   u->option->name, m->what, u->text, m->give);
+                   u->option->name, m->what, u->value, m->give);
 }
 
 /* Reads numbers of "x,y,...". */
-static gp_status read_list(const struct value *u, struct gp_numbers *out)
+static gp_status read_list(const struct gp_use *u, struct gp_numbers *out)
 {
     const struct gp_option *const o = u->option;
     struct gp_numbers list = {0};
-    const char *s = u->text;
+    const char *s = u->value;
     char range[16] = "";
     bool whole = false;
     while (!whole && list.n < o->most && read_double(&s, &list.v[list.n])) {
@@ -136,7 +129,7 @@ static gp_status read_list(const struct value *u, struct gp_numbers *out)
     if (!whole || list.n < o->least)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: not %s%d numbers (found \"%s\"); write %s",
-                       o->name, range, o->most, u->text, o->arg);
+                       o->name, range, o->most, u->value, o->arg);
     for (int i = 0; i < list.n; i++) {
         if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
             return out_of_range(u);
@@ -149,16 +142,15 @@ static gp_status read_list(const struct value *u, struct gp_numbers *out)
     return GP_OK;
 }
 
-gp_status gp_quantity_read(const struct gp_log *log, const struct gp_option *o,
-                           const char *value, struct gp_quantity *out)
+gp_status gp_quantity_read(const struct gp_use *u, struct gp_quantity *out)
 {
-    const struct value u = {log, o, value};
+    const enum gp_option_kind kind = u->option->kind;
     *out = (struct gp_quantity) {.list.n = 1};
-    return o->kind == GP_KIND_NUMBERS ? read_list(&u, &out->list)
-           : o->kind == GP_KIND_SIZE || o->kind == GP_KIND_LEVEL ||
-                   o->kind == GP_KIND_THRESHOLD
-               ? read_measure(&u, out->list.v, &out->unit)
-               : read_number(&u, out->list.v);
+    return kind == GP_KIND_NUMBERS ? read_list(u, &out->list)
+           : kind == GP_KIND_SIZE || kind == GP_KIND_LEVEL ||
+                   kind == GP_KIND_THRESHOLD
+               ? read_measure(u, out->list.v, &out->unit)
+               : read_number(u, out->list.v);
 }
 
 void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *q,
@@ -242,7 +234,7 @@ static gp_status add_key(const struct gp_log *log, const char *frame,
                        "--%s: too many keys (over %d); leave some out", name,
                        GP_KEYS_MOST);
     gp_status st;
-    GP_TRY(gp_quantity_read(log, k->option, value, &key.v));
+    GP_TRY(gp_quantity_read(&(struct gp_use) {log, k->option, value}, &key.v));
     if (last && (last->v.unit != key.v.unit || last->v.list.n != key.v.list.n))
         GP_TRY(gp_fail(log, GP_ERR_USAGE,
                        "--%s: keys of two kinds (found \"%s\" after others); "
@@ -321,18 +313,19 @@ static gp_status read_keys(const struct gp_log *log, const char *file,
     return st == GP_ERR_USAGE && file ? GP_ERR_DATA : st; // the file is wrong
 }
 
-gp_status gp_keys_read(const struct gp_log *log, const struct gp_option *o,
-                       const char *value, struct gp_settings *s)
+gp_status gp_keys_read(const struct gp_use *u, struct gp_settings *s)
 {
-    struct gp_keyed k = {.option = o, .file = NULL};
+    const struct gp_log *const log = u->log;
+    const char *const value = u->value;
+    struct gp_keyed k = {.option = u->option, .file = NULL};
     void *block = s->keyed, *text = NULL;
     uint64_t size = 0;
     gp_status st;
-    if (!may_change(o) || s->command != GP_COMMAND_MAIN)
+    if (!may_change(u->option) || s->command != GP_COMMAND_MAIN)
         return gp_fail(log, GP_ERR_USAGE,
                        "--%s: takes no keys here (found %s), as it is the same "
                        "for all frames; give one value",
-                       o->name, value);
+                       u->option->name, value);
     k.file = *value == '@' ? value + 1 : NULL;
     if (k.file) {
         GP_TRY(gp_load_regular(log, k.file, MOST_BYTES, &text, &size));
@@ -347,7 +340,7 @@ gp_status gp_keys_read(const struct gp_log *log, const struct gp_option *o,
                      &block));
     s->keyed = block;
     s->keyed[s->keyeds++] = k;
-    gp_quantity_set(o, &k.key[0].v, s);
+    gp_quantity_set(u->option, &k.key[0].v, s);
     k.key = NULL; // the settings'
 out:
     gp_free(k.key);

@@ -7,11 +7,16 @@
 
 #include "cli/options.h"
 
+/* An option as it is given, and its value. */
+struct gp_use {
+    const struct gp_log *log;
+    const struct gp_option *option;
+    const char *value; // NULL for options that take none
+};
+
 /* Reads the value of an option of numbers, GP_KIND_FLOAT to GP_KIND_NUMBERS, and
  * checks its range. Errors: GP_ERR_USAGE. */
-GP_MUST_CHECK gp_status gp_quantity_read(const struct gp_log *log,
-                                         const struct gp_option *o,
-                                         const char *value,
+GP_MUST_CHECK gp_status gp_quantity_read(const struct gp_use *u,
                                          struct gp_quantity *out);
 
 /* Sets the field of that option in *s. */
@@ -24,13 +29,12 @@ enum { GP_KEYS_MOST = 10000 }; // of one option
 bool gp_keys_are(const char *value);
 
 /* Reads keys, checks the range of each, and adds them to *s, which has none of
- * that option; `value` is borrowed.
+ * that option; the value is borrowed.
  * Errors: GP_ERR_USAGE the option does not change over frames; frames that do
  * not rise, values out of range, of other units or counts; GP_ERR_IO,
  * GP_ERR_DATA of the file. */
-GP_MUST_CHECK gp_status gp_keys_read(const struct gp_log *log,
-                                     const struct gp_option *o,
-                                     const char *value, struct gp_settings *s);
+GP_MUST_CHECK gp_status gp_keys_read(const struct gp_use *u,
+                                     struct gp_settings *s);
 
 /* Removes the keys of an option, if it has any. */
 void gp_keys_drop(struct gp_settings *s, const struct gp_option *o);

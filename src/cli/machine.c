@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/machine.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <malloc.h>
 #include <stdbool.h>
@@ -19,16 +18,14 @@ enum { NAME = 4096 + 256 }; // bytes of a path
 static size_t limit_of(const char *path, size_t most)
 {
     char line[64] = "";
-    char *end = line;
     FILE *const f = fopen(path, "re");
     if (!f)
         return most;
-    const bool read = fgets(line, sizeof line, f) != NULL;
+    if (!fgets(line, sizeof line, f))
+        line[0] = '\0';
     fclose(f);
-    errno = 0;
-    const unsigned long long v = strtoull(line, &end, 10);
-    return read && end != line && !errno && v > 0 && v < most ? (size_t) v
-                                                              : most;
+    const unsigned long long v = strtoull(line, NULL, 10); // "max": 0
+    return v > 0 && v < most ? (size_t) v : most;
 }
 
 /* Returns the least limit of a group and its parents. In a container the path
@@ -37,18 +34,15 @@ static size_t least_upwards(const char *mount, const char *group,
                             const char *file, size_t most)
 {
     char path[NAME];
-    size_t length = strlen(group);
-    for (;;) {
-        const int n = snprintf(path, sizeof path, "%s%.*s/%s", mount,
-                               (int) length, group, file);
+    for (int length = (int) strlen(group); length >= 0; length--) {
+        if (length && group[length] && group[length] != '/')
+            continue;
+        const int n = snprintf(path, sizeof path, "%s%.*s/%s", mount, length,
+                               group, file);
         if (n > 0 && (size_t) n < sizeof path)
             most = limit_of(path, most);
-        if (length == 0)
-            return most;
-        do
-            length--;
-        while (length > 0 && group[length] != '/');
     }
+    return most;
 }
 
 /* Returns the least limit of this process's control groups, at most `most`. */

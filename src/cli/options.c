@@ -657,7 +657,7 @@ const struct gp_option gp_options[] = {
         "Print the versions of the program and its libraries"),
     OPT(words.help, "help", IN(GENERAL, ~0u), "[TOPIC]",
         "Print help: one screen, a command's own, a topic of glarepp help",
-        .letter = 'h', .open = true, .blank = true, .optional = true, ONE_OF(
+        .letter = 'h', .open = true, .blank = true, ONE_OF(
         {"all", 0, NULL})),
     OPT(words.help_table, "help-table", IN(GENERAL, MAIN), NULL, NULL),
     {0},

@@ -345,7 +345,9 @@ struct gp_option {
     int set;               // GP_KIND_SET
     bool off;              // GP_KIND_FLAG
     int least, most;       // GP_KIND_NUMBERS
-    const char *arg;       // name of the value in --help; NULL: takes none
+    const char *arg;       // name of the value in --help; NULL: takes none; in
+                           // brackets: it may be left out, and the next word is
+                           // it only where it is all letters
     const char *help;      // one line, no full stop; NULL: not in --help
     const char *usual;     // at most 50 characters, for --help of one screen;
                            // NULL: it is not there
@@ -354,8 +356,6 @@ struct gp_option {
     const char *(*list)(int i, const char **text);
     bool open;             // values outside `list` are valid too
     bool blank;            // GP_KIND_TEXT: an empty word is valid
-    bool optional;         // ... and the value may be left out: the next word is
-                           // it only where it is all letters
     bool once;             // GP_KIND_TEXT: a second value is an error
     bool aside;            // no pixel of an output depends on it; implied for
                            // OUTPUT, REPORT and GENERAL,

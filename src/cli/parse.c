@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/options.h"
 
-#include "cli/keys.h"
 #include "cli/words.h"
 #include "core/memory.h"
 
@@ -48,16 +47,9 @@ void gp_settings_free(struct gp_settings *s)
 
 #define LETTERS "abcdefghijklmnopqrstuvwxyz"
 
-/* An option of the command line and its value. */
-struct use {
-    const struct gp_log *log;
-    const struct gp_option *option;
-    const char *value;  // NULL for options that take none
-};
-
 /* Fails with the nearest value, else with all; with `file`, for a word that may
  * be a file's name, only when one is near, as builtin:star is to "star". */
-static gp_status unknown_value(const struct use *u, bool file)
+static gp_status unknown_value(const struct gp_use *u, bool file)
 {
     const char *text, *name;
     char line[512] = "", nearest[64] = "";
@@ -89,7 +81,7 @@ static gp_status unknown_value(const struct use *u, bool file)
 }
 
 /* Sets one of the option's choices, or the file of "CHOICE=FILE". */
-static gp_status set_choice(const struct use *u, void *field)
+static gp_status set_choice(const struct gp_use *u, void *field)
 {
     const bool named = u->option->kind == GP_KIND_NAMED;
     const size_t n = named ? strcspn(u->value, "=") : strlen(u->value);
@@ -119,7 +111,7 @@ static gp_status set_choice(const struct use *u, void *field)
 }
 
 /* Sets a word of argv, or appends it to a list. */
-static gp_status set_text(const struct use *u, void *field)
+static gp_status set_text(const struct gp_use *u, void *field)
 {
     const struct gp_option *const o = u->option;
     const char *text, *name;
@@ -150,7 +142,7 @@ static gp_status set_text(const struct use *u, void *field)
 }
 
 /* Sets the option by its kind. */
-static gp_status set_value(const struct use *u, struct gp_settings *s)
+static gp_status set_value(const struct gp_use *u, struct gp_settings *s)
 {
     void *const field = (char *) s + u->option->at;
     struct gp_quantity q;
@@ -172,8 +164,8 @@ static gp_status set_value(const struct use *u, struct gp_settings *s)
     default: // numbers
         gp_keys_drop(s, u->option);
         if (gp_keys_are(u->value))
-            return gp_keys_read(u->log, u->option, u->value, s);
-        st = gp_quantity_read(u->log, u->option, u->value, &q);
+            return gp_keys_read(u, s);
+        st = gp_quantity_read(u, &q);
         if (!st)
             gp_quantity_set(u->option, &q, s);
         return st;
@@ -227,10 +219,10 @@ static const struct gp_option *split_word(const char *word, unsigned command,
 /* Finds the option at argv[*i] and its value, and moves *i to its last word. */
 static gp_status find_use(const struct gp_log *log, int argc,
                           const char *const argv[], int *i,
-                          const struct gp_settings *s, struct use *out)
+                          const struct gp_settings *s, struct gp_use *out)
 {
     const char *const word = argv[*i], *of_next;
-    struct use u = {.log = log};
+    struct gp_use u = {.log = log};
     u.option = split_word(word, s->command, &u.value);
     const char *const command = gp_command_of(s->command)->word;
     if (!u.option) {
@@ -266,7 +258,7 @@ static gp_status find_use(const struct gp_log *log, int argc,
     if (!arg && u.value)
         return gp_fail(log, GP_ERR_USAGE, "%s: takes no "
                        "value (found \"%s\"); leave it out", word, u.value);
-    if (arg && !u.value && u.option->optional) {
+    if (arg && !u.value && arg[0] == '[') {
         const char *const next = *i + 1 < argc ? argv[*i + 1] : "";
         u.value = *next && !next[strspn(next, LETTERS)] ? argv[++*i] : "";
     } else if (arg && !u.value) {
@@ -284,14 +276,13 @@ static gp_status find_use(const struct gp_log *log, int argc,
     return GP_OK;
 }
 
-static gp_status take_use(const struct use *u, struct gp_settings *s)
+static gp_status take_use(const struct gp_use *u, struct gp_settings *s)
 {
     const char *const name = u->option->name;
     const void *const field = (const char *) s + u->option->at;
     if (u->option->once && gp_option_given(s, name))
         return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: given twice (found %s and "
-                       "%s); give one file",
+                       "--%s: given twice (found %s and %s); give one file",
                        name, *(const char *const *) field, u->value);
     s->words.options.at[s->words.options.n++] = name;
     s->words.options.at[s->words.options.n++] = u->value;
@@ -324,7 +315,7 @@ static gp_status read_settings(const struct gp_log *log, const char *path,
         struct gp_place place;
         const struct gp_log there = gp_place_log(&place, log, path, w->line[i]);
         const char *const word = w->word[i];
-        struct use u;
+        struct gp_use u;
         if (word[0] != '-' || !word[1])
             return gp_fail(&there, GP_ERR_DATA,
                            "%s: not an option; write "
@@ -338,7 +329,7 @@ static gp_status read_settings(const struct gp_log *log, const char *path,
                          u.option->name);
         if (st || is_set(s, before, u.option->at))
             continue;
-        st = gp_words_file(&there, u.option, &u.value, w);
+        st = gp_words_file(&u, w);
         st = st ? st : take_use(&u, s);
     }
     return st == GP_ERR_USAGE ? GP_ERR_DATA
@@ -351,8 +342,8 @@ static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
     const char *const *word = gp_style_of(s->light.style)->word;
     gp_status st = GP_OK;
     for (; *word && !st; word += 2) {
-        const struct use u = {log, gp_option_find(word[0], strlen(word[0])),
-                              word[1]};
+        const struct gp_use u = {log, gp_option_find(word[0], strlen(word[0])),
+                                 word[1]};
         if ((u.option->commands & s->command) && !gp_option_given(s, word[0]))
             st = set_value(&u, s);
     }
@@ -409,7 +400,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     } else
         st = check_command(log, first);
     for (; i < argc && !st; i++) {
-        struct use u;
+        struct gp_use u;
         const char *const word = argv[i], *value;
         const struct gp_option *const o =
             word[0] == '-' && word[1] ? split_word(word, out->command, &value)

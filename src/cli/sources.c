@@ -20,9 +20,8 @@ static gp_status check_source(const struct gp_frame_state *fs)
     if (memcmp(&f->data, &s->data, sizeof f->data) != 0)
         return gp_fail(
             fs->log, GP_ERR_DATA,
-            "%s: its data window is not that of "
-            "%s (found %dx%d at %d,%d; needs %dx%d at %d,%d); render "
-            "both with one window",
+            "%s: its data window is not that of %s (found %dx%d at %d,%d; "
+            "needs %dx%d at %d,%d); render both with one window",
             s->path, f->path, gp_frame_w(s), gp_frame_h(s), s->data.x0,
             s->data.y0, gp_frame_w(f), gp_frame_h(f), f->data.x0, f->data.y0);
     for (int i = 0; i < 8; i++)

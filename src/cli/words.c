@@ -203,8 +203,7 @@ static gp_status split(const struct gp_log *log, char *text, bool command,
         }
         if (w->n == GP_WORDS)
             return gp_fail(&there, GP_ERR_DATA,
-                           "too many words (over %d); "
-                           "write fewer options",
+                           "too many words (over %d); write fewer options",
                            GP_WORDS);
         w->line[w->n] = command ? 0 : line;
         w->word[w->n++] = to;
@@ -223,8 +222,7 @@ static gp_status split(const struct gp_log *log, char *text, bool command,
         }
         if (quote)
             return gp_fail(&there, GP_ERR_DATA,
-                           "a quote that does not end "
-                           "(found %c); close it",
+                           "a quote that does not end (found %c); close it",
                            quote);
         line += *c == '\n';
         c += *c != '\0';
@@ -310,9 +308,8 @@ gp_status gp_words_read(const struct gp_log *log, const char *path,
     } else if (size > MOST_BYTES || strlen(w->text) < size)
         GP_TRY(gp_fail(
             log, GP_ERR_DATA,
-            "%s: no settings (found %s); give a "
-            "text with an option a line, or a PNG or EXR that "
-            "glarepp made",
+            "%s: no settings (found %s); give a text with an option a line, or "
+            "a PNG or EXR that glarepp made",
             path, size > MOST_BYTES ? "over 1 MiB" : "bytes that are no text"));
     GP_TRY(split(log, w->text, picture, w));
     if (picture)
@@ -346,21 +343,22 @@ static bool is_name(const struct gp_option *o, const char *value)
            (!strpbrk(value, "./") || strncmp(value, "preset:", 7) == 0);
 }
 
-gp_status gp_words_file(const struct gp_log *log, const struct gp_option *o,
-                        const char **value, struct gp_words *w)
+gp_status gp_words_file(struct gp_use *u, struct gp_words *w)
 {
-    const char *const path = *value ? path_in(o, *value) : NULL;
+    const struct gp_option *const o = u->option;
+    const char *const value = u->value;
+    const char *const path = value ? path_in(o, value) : NULL;
     const char *const slash = strrchr(w->path, '/');
     const size_t folder = slash ? (size_t) (slash - w->path) + 1 : 0;
     struct gp_pattern pattern;
     char *whole;
-    if (!path || *path == '/' || (path == *value && is_name(o, *value)))
+    if (!path || *path == '/' || (path == value && is_name(o, value)))
         return GP_OK;
-    const size_t head = (size_t) (path - *value);
+    const size_t head = (size_t) (path - value);
     const size_t n =
         head && path[-1] == '=' ? strcspn(path, ",") : strlen(path);
-    const size_t room = folder + strlen(*value) + 1;
-    const gp_status st = gp_alloc(log, "settings", 1, room, &whole);
+    const size_t room = folder + strlen(value) + 1;
+    const gp_status st = gp_alloc(u->log, "settings", 1, room, &whole);
     if (st)
         return st;
     w->found[w->founds++] = whole;
@@ -368,16 +366,16 @@ gp_status gp_words_file(const struct gp_log *log, const struct gp_option *o,
     const bool here = access(whole, F_OK) == 0;
     snprintf(whole, room, "%.*s%.*s", (int) folder, w->path, (int) n, path);
     if (access(whole, F_OK) == 0) {
-        snprintf(whole, room, "%.*s%.*s%s", (int) head, *value, (int) folder,
+        snprintf(whole, room, "%.*s%.*s%s", (int) head, value, (int) folder,
                  w->path, path);
-        *value = whole;
+        u->value = whole;
         return GP_OK;
     }
     return here || strstr(o->arg, "CH") ||
                    gp_pattern_find(NULL, path, &pattern) || pattern.len ||
                    pattern.views
                ? GP_OK
-               : gp_fail(log, GP_ERR_IO,
+               : gp_fail(u->log, GP_ERR_IO,
                          "--%s: no file %.*s (looked for in "
                          "%.*s%sthe current folder); put it there",
                          o->name, (int) n, path, (int) folder, w->path,

@@ -3,7 +3,7 @@
 #ifndef GP_CLI_WORDS_H
 #define GP_CLI_WORDS_H
 
-#include "cli/options.h"
+#include "cli/keys.h"
 
 /* A log that puts "FILE:LINE: ", or with line 0 "FILE: ", before each line. */
 struct gp_place {
@@ -66,10 +66,8 @@ GP_MUST_CHECK gp_status gp_words_read(const struct gp_log *log,
 void gp_words_free(struct gp_words **list);
 
 /* Finds the file that the value of an option in *w names: beside the file of *w,
- * else by its name as it is; *value then becomes a word of *w. Other values stay.
+ * else by its name as it is; the value then becomes a word of *w. Others stay.
  * Errors: GP_ERR_IO it is in neither folder. */
-GP_MUST_CHECK gp_status gp_words_file(const struct gp_log *log,
-                                      const struct gp_option *o,
-                                      const char **value, struct gp_words *w);
+GP_MUST_CHECK gp_status gp_words_file(struct gp_use *u, struct gp_words *w);
 
 #endif

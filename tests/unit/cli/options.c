@@ -73,7 +73,8 @@ static void check_stored(const struct gp_option *o, const char *value,
     char line[256];
     const int n = line_for(o, value, line, sizeof line);
     snprintf(line + n, sizeof line - (size_t) n, " --%s%s%s%s", o->name,
-             o->optional ? "=" : " ", value, o->kind == GP_KIND_NAMED ? "=f" : "");
+             o->arg && o->arg[0] == '[' ? "=" : " ", value,
+             o->kind == GP_KIND_NAMED ? "=f" : "");
     if (parse(line, &s) != GP_OK)
         fail_msg("%s: %s", line, kept_line);
     const void *const at = (const char *) &s + o->at;
