@@ -4,7 +4,6 @@
  * messages. */
 #include "cli/options.h"
 
-#include "core/memory.h"
 #include "io/file.h"
 
 #include <stdlib.h>

@@ -3,7 +3,6 @@
  * values that the library lists. */
 #include "cli/options.h"
 
-#include <float.h>
 #include <limits.h>
 #include <string.h>
 

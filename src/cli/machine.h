@@ -8,11 +8,10 @@
 
 #include <stddef.h>
 
-/* Returns the bytes of the machine's memory, or the least limit of the control
- * groups that this process is in and their parents, as batch systems (Slurm)
- * and containers set it: memory.max of cgroup v2, memory.limit_in_bytes of v1;
- * or the limit of address space, where that is less.
- * 0 when unknown. Memory that other processes use is not subtracted.
+/* Returns the least of the bytes of the machine's memory, the limit of address
+ * space, and the limits of the control groups that this process is in and their
+ * parents, as Slurm and containers set them; 0 when unknown. Memory that other
+ * processes use is not subtracted.
  *   root  "", or a folder before /proc/self/cgroup and /sys/fs/cgroup */
 size_t gp_memory_limit(const char *root);
 

@@ -2,7 +2,6 @@
 #include "cli/options.h"
 
 #include <float.h>
-#include <string.h>
 
 // clang-format off
 #define FIELD(f) (&((struct gp_settings *) 0)->f)

@@ -18,8 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Values of --progress. AUTO draws on a terminal only. The last three print
- * lines for programs, on a terminal and in a pipe alike. */
+/* Values of --progress; the last three are lines for programs. */
 enum gp_progress_when {
     GP_PROGRESS_AUTO,
     GP_PROGRESS_ALWAYS,
@@ -40,8 +39,7 @@ enum gp_debug_kind {
     GP_DEBUG_KINDS,
 };
 
-/* Commands: the first word of the command line. Bits, as options have sets of
- * them. */
+/* The first word of the command line; bits, as options have sets of them. */
 enum gp_command {
     GP_COMMAND_MAIN = 1 << 0,   // no word: pictures
     GP_COMMAND_BENCH = 1 << 1,  // "bench": speed against error
@@ -53,8 +51,7 @@ enum gp_command {
     GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
 };
 
-/* Words of --grow in place of a number of pixels: as far as the kernel reaches,
- * or not beyond the data window. */
+/* Words of --grow in place of a number of pixels. */
 enum { GP_GROW_KERNEL = -1, GP_GROW_NONE = -2 };
 
 /* Words from the command line, in its order. */
@@ -352,8 +349,7 @@ struct gp_option {
     const char *usual;     // at most 50 characters, for --help of one screen;
                            // NULL: it is not there
     const struct gp_option_choice *choices;  // NULL name at the end
-    /* The i-th value and its line, NULL after the last. */
-    const char *(*list)(int i, const char **text);
+    const char *(*list)(int i, const char **text); // as gp_option_value()
     bool open;             // values outside `list` are valid too
     bool blank;            // GP_KIND_TEXT: an empty word is valid
     bool once;             // GP_KIND_TEXT: a second value is an error
@@ -381,8 +377,7 @@ struct gp_range_text {
 };
 struct gp_range_text gp_option_range(const struct gp_option *o);
 
-/* The option of that name, or of that letter for one of the commands; or
- * NULL. */
+/* The option of that name, or that letter for one of the commands; or NULL. */
 const struct gp_option *gp_option_find(const char *name, size_t length);
 const struct gp_option *gp_option_letter(char letter, unsigned commands);
 
@@ -403,8 +398,7 @@ bool gp_kernel_is_file(const char *word);
  * --light-group, to `path` of PATH_MAX bytes, or "". False after the last. */
 bool gp_kernel_file(const struct gp_settings *s, int i, char *path);
 
-/* True when a frame may have lights with a place: an option names one, a file or
- * a scene. */
+/* True when an option names a light with a place, a file of them or a scene. */
 bool gp_lights_wanted(const struct gp_settings *s);
 
 /* True when --depth says that the frame's depth is not to be read. */

@@ -4,7 +4,6 @@
 #include "cli/words.h"
 #include "core/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -30,10 +30,10 @@ struct gp_progress {
     bool ticking;
 };
 
-/* Starts the clock; NEVER draws nothing. AUTO draws after one second, ALWAYS
- * at once, in a pipe too. The lines for programs never decrease: PERCENT prints
- * one when the whole number changes; OPENJD and JSON when a frame is done, at
- * most ten a second. OPENJD: openjd-specifications, "How Jobs Are Run",
+/* Starts the clock; NEVER draws nothing. AUTO draws on a terminal, after one
+ * second, ALWAYS at once, in a pipe too. The lines for programs never decrease:
+ * PERCENT prints one when the whole number changes; OPENJD and JSON when a frame
+ * is done, at most ten a second. OPENJD: openjd-specifications, "How Jobs Are Run",
  * "Stdout/Stderr Messages". */
 void gp_progress_open(struct gp_progress *p, FILE *file,
                       enum gp_progress_when when);
