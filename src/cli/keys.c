@@ -61,11 +61,11 @@ enum { FACTOR, EV, AUTO };
 static const struct measure {
     enum gp_option_kind kind;
     const char *what, *give, *range; // what to give; out of range, NULL: the same
-    struct {
+    struct unit {
         const char *sign;
         int unit;
         double lo, hi;
-    } unit[3]; // NULL sign at the end
+    } unit[4]; // NULL sign at the end
 } measures[] = {
     {GP_KIND_LEVEL, "a level",
      "a factor over 0 and up to 1e+09, EV such as +6ev, or auto", NULL,
@@ -86,7 +86,6 @@ static gp_status read_measure(const struct gp_use *u, double *out, int *unit)
 {
     const struct measure *m = measures;
     const char *end = u->value;
-    int i = 0;
     *unit = AUTO;
     *out = 0.0;
     if (u->option->kind == GP_KIND_LEVEL && strcmp(end, "auto") == 0)
@@ -94,15 +93,14 @@ static gp_status read_measure(const struct gp_use *u, double *out, int *unit)
     while (m->kind != u->option->kind)
         m++;
     const bool read = read_double(&end, out);
-    const bool ev = strcasecmp(end, "ev") == 0; // of any case
-    while (i < 3 && m->unit[i].sign && strcmp(ev ? "ev" : end, m->unit[i].sign))
-        i++;
-    const bool known = read && i < 3 && m->unit[i].sign;
-    if (known && *out >= m->unit[i].lo && *out <= m->unit[i].hi) { // no NaN
-        *unit = m->unit[i].unit;
+    const char *const sign = strcasecmp(end, "ev") == 0 ? "ev" : end;
+    const struct unit *k = m->unit;
+    while (k->sign && strcmp(sign, k->sign) != 0)
+        k++;
+    *unit = k->unit;
+    if (read && k->sign && *out >= k->lo && *out <= k->hi) // no NaN
         return GP_OK;
-    }
-    if (known && m->range)
+    if (read && k->sign && m->range)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: out of range (found %s); give %s",
                        u->option->name, u->value, m->range);
@@ -292,8 +290,9 @@ static gp_status read_keys(const struct gp_log *log, const char *file,
         char *const value = strchr(item, file ? ',' : ':');
         if (value)
             *value = '\0';
-        for (char *c = value; !file && list && c && (c = strchr(c + 1, '/'));)
-            *c = ',';
+        if (value && !file && list)
+            for (char *c = value; (c = strchr(c + 1, '/'));)
+                *c = ',';
         st = value ? add_key(to, item, value + 1, k)
              : file
                  ? gp_fail(to, GP_ERR_USAGE,

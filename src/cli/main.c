@@ -46,11 +46,10 @@ static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
     char io[256];
     const char *name;
     const char *const help = s->words.help;
-    if (s->command == GP_COMMAND_HELP)
-        st = gp_help_topic(log, stdout,
-                           s->input.files.n ? s->input.files.at[0] : NULL);
-    else if (help && *help && strcmp(help, "all") != 0)
-        st = gp_help_topic(log, stdout, help);
+    const char *const word = s->input.files.n ? s->input.files.at[0] : NULL;
+    const bool asks = s->command == GP_COMMAND_HELP;
+    if (asks || (help && *help && strcmp(help, "all") != 0))
+        st = gp_help_topic(log, stdout, asks ? word : help);
     else if (help && !*help && s->command == GP_COMMAND_MAIN)
         gp_help_screen(stdout);
     else if (help)
