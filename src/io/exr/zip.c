@@ -62,51 +62,15 @@ static bool expand_runs(const uint8_t *in, size_t in_size, uint8_t *out,
     return out == out_end;
 }
 
-enum { WIDE = 16 };
-typedef uint8_t bytes_wide __attribute__((vector_size(WIDE)));
-
-/* x, k bytes further on. */
-#define LATER(x, k)                                                            \
-    __builtin_shufflevector((bytes_wide) {0}, x, 16 - (k), 17 - (k), 18 - (k), \
-                            19 - (k), 20 - (k), 21 - (k), 22 - (k), 23 - (k),  \
-                            24 - (k), 25 - (k), 26 - (k), 27 - (k), 28 - (k),  \
-                            29 - (k), 30 - (k), 31 - (k))
-
-/* Sums of differences from `before` on. */
-static inline bytes_wide sums_of(const uint8_t *in, uint8_t before)
-{
-    bytes_wide x;
-    memcpy(&x, in, sizeof x);
-    x -= (uint8_t) 128;
-    x += LATER(x, 1);
-    x += LATER(x, 2);
-    x += LATER(x, 4);
-    return x + LATER(x, 8) + before;
-}
-
 /* Undoes filter_bytes(): the second half goes on from the first. */
 static void undo_filter(const uint8_t *restrict in, uint8_t *restrict out,
                         size_t n)
 {
     const size_t half = n / 2;
     uint8_t even = 128, odd = 128; // the first byte is stored without the bias
-    size_t i = 0;
-    for (; i < half; i++)
+    for (size_t i = 0; i < half; i++)
         odd = (uint8_t) (odd + in[i] - 128);
-    for (i = 0; i + WIDE <= half; i += WIDE) {
-        const bytes_wide e = sums_of(in + i, even);
-        const bytes_wide o = sums_of(in + half + i, odd);
-        const bytes_wide both[] = {
-            __builtin_shufflevector(e, o, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5,
-                                    21, 6, 22, 7, 23),
-            __builtin_shufflevector(e, o, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28,
-                                    13, 29, 14, 30, 15, 31),
-        };
-        memcpy(out + 2 * i, both, sizeof both);
-        even = e[WIDE - 1];
-        odd = o[WIDE - 1];
-    }
-    for (; i < half; i++) {
+    for (size_t i = 0; i < half; i++) {
         even = (uint8_t) (even + in[i] - 128);
         odd = (uint8_t) (odd + in[half + i] - 128);
         out[2 * i] = even;
