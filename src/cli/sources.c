@@ -4,7 +4,6 @@
 
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "io/cryptomatte.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -18,6 +18,15 @@ struct gp_colour_choice {
     int index[3];
 };
 
+/* Returns which colour a channel is, 0 to 2; -1: none. */
+static inline int gp_colour_of(const struct gp_colour_choice *c, int channel)
+{
+    return c->index[0] == channel   ? 0
+           : c->index[1] == channel ? 1
+           : c->index[2] == channel ? 2
+                                    : -1;
+}
+
 enum { GP_CHANNEL_NAME = 255 }; // bytes of an EXR channel's name, at most
 
 /* Finds the colour among n channel names, in the order that read.h gives;
@@ -112,8 +121,10 @@ void gp_channel_floats(const struct gp_frame *f, int channel, float *out);
  * names, as in a file that names none. */
 enum { GP_CRYPTO_LAYERS = 64 };
 struct gp_crypto {
-    const char *layer[GP_CRYPTO_LAYERS];  // borrowed from the input
-    int n;
+    // borrowed from the input; key: the attribute's name, of `part`
+    const char *layer[GP_CRYPTO_LAYERS];
+    int n, part[GP_CRYPTO_LAYERS];
+    const char *key[GP_CRYPTO_LAYERS];
 };
 
 enum gp_crypto_kind {

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/cryptomatte.h"
+/* Cryptomatte: the coverage of objects by their names.
+ *
+ * A type (objects, materials, ...) NAME has layers NAME00, NAME01, ..., each of
+ * two ranks: an id in R and its coverage in G, an id in B and its coverage in A.
+ * Source: Friedman and Jones, "Cryptomatte specification", version 1.2.0. */
+#include "io/plane.h"
 
 #include "core/bytes.h"
 #include "core/json.h"
@@ -150,14 +155,15 @@ static gp_status add_id(struct reading *c, const char *name)
 
 // -- types and manifests --------------------------------------------------------
 
-/* A text of cryptomatte/KEY/; NULL where there is none. */
-static const char *text_of(const struct gp_input *in, int part, const char *key,
-                           int length, const char *field)
+/* A text beside an attribute cryptomatte/KEY/name; NULL where there is none. */
+static const char *text_of(const struct gp_input *in, int part,
+                           const char *attribute, const char *field)
 {
     char name[256];
     const char *text;
     int32_t bytes;
-    snprintf(name, sizeof name, "cryptomatte/%.*s/%s", length, key, field);
+    snprintf(name, sizeof name, "%.*s%s",
+             (int) (strlen(attribute) - strlen("name")), attribute, field);
     return exr_attr_get_string(in->exr, part, name, &bytes, &text) ? NULL
                                                                    : text;
 }
@@ -205,60 +211,34 @@ out:
     return st;
 }
 
-/* Adds the type of an attribute cryptomatte/KEY/name, unless it is there. */
-static gp_status add_type(struct reading *c, int part, const char *key,
-                          int length, size_t *left)
+/* Finds the types of all parts, and their manifests. */
+static gp_status find_types(struct reading *c)
 {
     static const char *const facts[][2] = {
         {"hash", "MurmurHash3_32"},
         {"conversion", "uint32_to_float32"},
     };
-    const char *const name = text_of(c->in, part, key, length, "name");
-    if (!name || !*name || c->types == GP_CRYPTO_LAYERS)
-        return GP_OK;
-    for (int i = 0; i < c->types; i++) {
-        if (strcmp(c->type[i].name, name) == 0) // of another part
-            return GP_OK;
-    }
-    for (int i = 0; i < 2; i++) {
-        const char *const is = text_of(c->in, part, key, length, facts[i][0]);
-        if (is && strcmp(is, facts[i][1]) != 0)
-            return gp_fail(c->log, GP_ERR_DATA,
-                           "%s: the %s of Cryptomatte %s is not known (found "
-                           "%.100s); only %s is",
-                           c->f->path, facts[i][0], name, is, facts[i][1]);
-    }
-    struct type *const t = &c->type[c->types++];
-    t->name = name;
-    const gp_status st =
-        load_manifest(c, t, text_of(c->in, part, key, length, "manifest"),
-                      text_of(c->in, part, key, length, "manif_file"), left);
-    c->bare += !t->manifest;
-    return st;
-}
-
-/* Finds the types of all parts, and their manifests. */
-static gp_status find_types(struct reading *c)
-{
-    static const char first[] = "cryptomatte/", last[] = "/name";
-    const size_t start = sizeof first - 1, end = sizeof last - 1;
+    struct gp_crypto found;
     size_t left = GP_JSON_SMALL + 4 * gp_frame_pixels(c->f);
     gp_status st = GP_OK;
-    for (int part = 0; part < c->in->parts && !st; part++) {
-        const exr_attribute_t *a;
-        int32_t n = 0;
-        if (exr_get_attribute_count(c->in->exr, part, &n))
-            continue;
-        for (int32_t i = 0; i < n && !st; i++) {
-            if (exr_get_attribute_by_index(c->in->exr, part,
-                                           EXR_ATTR_LIST_FILE_ORDER, i, &a))
-                continue;
-            const size_t length = strlen(a->name);
-            if (length > start + end && strncmp(a->name, first, start) == 0 &&
-                strcmp(a->name + length - end, last) == 0)
-                st = add_type(c, part, a->name + start,
-                              (int) (length - start - end), &left);
+    gp_exr_crypto(c->in, &found);
+    for (int i = 0; i < found.n && !st; i++) {
+        const char *const key = found.key[i];
+        const int part = found.part[i];
+        struct type *const t = &c->type[c->types++];
+        t->name = found.layer[i];
+        for (int k = 0; k < 2; k++) {
+            const char *const is = text_of(c->in, part, key, facts[k][0]);
+            if (is && strcmp(is, facts[k][1]) != 0)
+                return gp_fail(c->log, GP_ERR_DATA,
+                               "%s: the %s of Cryptomatte %s is not known "
+                               "(found %.100s); only %s is",
+                               c->f->path, facts[k][0], t->name, is,
+                               facts[k][1]);
         }
+        st = load_manifest(c, t, text_of(c->in, part, key, "manifest"),
+                           text_of(c->in, part, key, "manif_file"), &left);
+        c->bare += !t->manifest;
     }
     return st;
 }
@@ -357,15 +337,9 @@ static int compare_ids(const void *a, const void *b)
 /* Returns the place of an id among those wanted, or -1. */
 static long long find_id(const struct reading *c, uint32_t id)
 {
-    size_t from = 0, to = c->ids;
-    while (from < to) {
-        const size_t middle = from + (to - from) / 2;
-        if (c->id[middle] < id)
-            from = middle + 1;
-        else
-            to = middle;
-    }
-    return from < c->ids && c->id[from] == id ? (long long) from : -1;
+    const uint32_t *const at =
+        bsearch(&id, c->id, c->ids, sizeof id, compare_ids);
+    return at ? at - c->id : -1;
 }
 
 /* Sorts the ids, each once. */

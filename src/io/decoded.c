@@ -182,40 +182,33 @@ gp_status gp_decoded_frame(const struct gp_log *log, const char *layer,
     struct gp_colour_choice colour;
     GP_TRY(choose_colour(log, layer, image, &colour));
     f = (struct gp_frame) {
-        .path = gp_strdup(image->path), .data = image->data,
-        .display = gp_rect_empty(image->display) ? image->data
-                                                 : image->display,
-        .pixel_aspect = image->pixel_aspect > 1e-6f &&
-                        image->pixel_aspect < 1e6f ? image->pixel_aspect
-                                                   : 1.0f,
-        .model = colour.model, .parts = 1,
+        .data = image->data,
+        .display = gp_rect_empty(image->display) ? image->data : image->display,
+        .pixel_aspect =
+            image->pixel_aspect > 1e-6f && image->pixel_aspect < 1e6f
+                ? image->pixel_aspect
+                : 1.0f,
+        .model = colour.model,
+        .parts = 1,
         .colour_type = image->half ? GP_HALF : GP_FLOAT,
     };
-    if (!f.path)
-        GP_TRY(gp_no_memory(log, image->path));
     memcpy(f.chromaticities, image->chromaticities ? image->chromaticities
                                                    : gp_rec709_chromaticities,
            sizeof f.chromaticities);
     f.names_chromaticities = image->chromaticities != NULL;
     gp_luminance_weights(f.chromaticities, f.luminance);
-    GP_TRY(gp_alloc_zero(log, "channels", (size_t) image->channels,
-                         sizeof *f.channel, &f.channel));
+    GP_TRY(gp_frame_make(log, image->path, image->channels, &f));
     for (int i = 0; i < image->channels; i++) {
-        struct gp_channel *const c = &f.channel[f.channels++];
-        *c = (struct gp_channel) {
-            .type = f.colour_type, .xs = 1, .ys = 1,
-            .w = gp_frame_w(&f), .h = gp_frame_h(&f), .colour = -1,
-            .name = gp_strdup(image->channel_name[i]),
+        const struct gp_channel like = {
+            .type = f.colour_type,
+            .xs = 1,
+            .ys = 1,
+            .w = gp_frame_w(&f),
+            .h = gp_frame_h(&f),
+            .colour = gp_colour_of(&colour, i),
+            .name = (char *) (uintptr_t) image->channel_name[i],
         };
-        for (int k = 0; k < 3; k++) {
-            if (colour.index[k] == i)
-                c->colour = k;
-        }
-        if (!c->name)
-            GP_TRY(gp_no_memory(log, f.path));
-        if (c->colour < 0)
-            GP_TRY(gp_alloc(log, c->name, gp_frame_pixels(&f),
-                            gp_type_size(c->type), &c->data));
+        GP_TRY(gp_frame_add(log, &f, &like));
     }
     GP_TRY(gp_alloc_zero(log, "attributes", (size_t) image->attributes,
                          sizeof *f.attribute, &f.attribute));
@@ -228,15 +221,8 @@ gp_status gp_decoded_frame(const struct gp_log *log, const char *layer,
         if (!to->name || (from->text && !to->text))
             GP_TRY(gp_no_memory_bare(log, "attributes"));
     }
-    GP_TRY(gp_planes_make(log, "frame", gp_frame_pixels(&f), &f.rgb));
     GP_TRY(split_planes(log, image, &f));
-    const size_t bytes = gp_frame_pixels(&f) * sizeof(float);
-    for (int k = 0; k < 3; k++) {
-        if (f.model == GP_COLOUR_GREY && k > 0)
-            memcpy(f.rgb.c[k], f.rgb.c[0], bytes);
-        else if (f.model == GP_COLOUR_RGB && colour.index[k] < 0)
-            memset(f.rgb.c[k], 0, bytes);
-    }
+    gp_frame_fill(&f, colour.index);
 out:
     if (st)
         gp_frame_free(&f);

@@ -38,6 +38,45 @@ void gp_frame_free(struct gp_frame *f)
     *f = (struct gp_frame) {0};
 }
 
+gp_status gp_frame_make(const struct gp_log *log, const char *path, int n,
+                        struct gp_frame *f)
+{
+    f->path = gp_strdup(path);
+    if (!f->path)
+        return gp_no_memory(log, path);
+    const gp_status st = gp_alloc_zero(log, "channels", (size_t) n,
+                                       sizeof *f->channel, &f->channel);
+    return st ? st : gp_planes_make(log, "frame", gp_frame_pixels(f), &f->rgb);
+}
+
+gp_status gp_frame_add(const struct gp_log *log, struct gp_frame *f,
+                       const struct gp_channel *like)
+{
+    struct gp_channel *const c = &f->channel[f->channels++];
+    *c = *like;
+    c->data = NULL;
+    c->name = gp_strdup(like->name);
+    if (!c->name)
+        return gp_no_memory(log, f->path);
+    if (c->colour < 0)
+        return gp_alloc(log, c->name, (size_t) c->w * (size_t) c->h,
+                        gp_type_size(c->type), &c->data);
+    if (c->type != GP_HALF)
+        f->colour_type = GP_FLOAT;
+    return GP_OK;
+}
+
+void gp_frame_fill(struct gp_frame *f, const int index[3])
+{
+    const size_t bytes = gp_frame_pixels(f) * sizeof(float);
+    for (int k = 0; k < 3; k++) {
+        if (index[k] < 0 && f->model == GP_COLOUR_GREY)
+            memcpy(f->rgb.c[k], f->rgb.c[0], bytes);
+        else if (index[k] < 0)
+            memset(f->rgb.c[k], 0, bytes);
+    }
+}
+
 const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
                                           const char *name)
 {

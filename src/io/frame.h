@@ -95,6 +95,23 @@ struct gp_frame gp_frame_blank(struct gp_rect window);
 /* Frees all that the frame owns and clears it; an empty frame is fine. */
 void gp_frame_free(struct gp_frame *f);
 
+/* Gives a frame of that window its path, room for n channels and planes.
+ * On failure f may only be freed. */
+GP_MUST_CHECK gp_status gp_frame_make(const struct gp_log *log,
+                                      const char *path, int n,
+                                      struct gp_frame *f);
+
+/* Adds a channel to those that there is room for: a copy of `like` with samples
+ * of its own where it is no colour. A colour that is no half makes colour_type
+ * GP_FLOAT. */
+GP_MUST_CHECK gp_status gp_frame_add(const struct gp_log *log,
+                                     struct gp_frame *f,
+                                     const struct gp_channel *like);
+
+/* Fills the planes of colours without a channel (index -1): grey's first, else
+ * black. */
+void gp_frame_fill(struct gp_frame *f, const int index[3]);
+
 /* The channel of that exact name, or NULL. */
 const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
                                           const char *name);

@@ -4,7 +4,6 @@
 #include "glare/kernel.h"
 #include "glare/sensors.h"
 #include "harness.h"
-#include "io/cryptomatte.h"
 #include "io/plane.h"
 #include "io/io_priv.h"
 #include "io/write.h"

@@ -189,14 +189,22 @@ void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out)
         for (int32_t i = 0; i < n && out->n < GP_CRYPTO_LAYERS; i++) {
             const exr_attribute_t *a;
             if (exr_get_attribute_by_index(in->exr, part,
-                                           EXR_ATTR_LIST_FILE_ORDER, i, &a))
+                                           EXR_ATTR_LIST_FILE_ORDER, i, &a) ||
+                a->type != EXR_ATTR_STRING)
                 continue;
             const size_t len = strlen(a->name);
-            if (a->type == EXR_ATTR_STRING && len > start + end &&
-                strncmp(a->name, first, start) == 0 &&
-                strcmp(a->name + len - end, last) == 0 && a->string->str &&
-                a->string->str[0])
-                out->layer[out->n++] = a->string->str;
+            const char *const layer = a->string->str;
+            int k = 0; // of another part
+            while (layer && k < out->n && strcmp(out->layer[k], layer) != 0)
+                k++;
+            if (len <= start + end || strncmp(a->name, first, start) != 0 ||
+                strcmp(a->name + len - end, last) != 0 || !layer || !*layer ||
+                k < out->n)
+                continue;
+            out->layer[k] = layer;
+            out->part[k] = part;
+            out->key[k] = a->name;
+            out->n++;
         }
     }
 }

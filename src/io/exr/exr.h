@@ -8,6 +8,7 @@
 #ifndef GP_IO_EXR_EXR_H
 #define GP_IO_EXR_EXR_H
 
+#include "io/channels.h"
 #include "io/frame.h"
 #include "core/status.h"
 #include "io/read.h"
@@ -114,6 +115,10 @@ GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
  * leaves those that it has not. */
 void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
                   struct gp_taken *out);
+
+/* The layers that cryptomatte's attributes name, of all parts; none for an
+ * input that is NULL or not EXR. */
+void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
 
 /* -- pixels --------------------------------------------------------------- */
 

@@ -3,7 +3,6 @@
 #ifndef GP_IO_EXR_EXR_PRIV_H
 #define GP_IO_EXR_EXR_PRIV_H
 
-#include "io/channels.h"
 #include "io/exr/exr.h"
 #include "io/file.h"
 
@@ -111,12 +110,8 @@ uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
 bool gp_exr_bare_name(const struct gp_input *in, int part, const char *view,
                       const char *name, char *to);
 
-/* The layers that cryptomatte's attributes name, of all parts; none for an
- * input that is NULL or not EXR. */
-void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
-
 /* Returns what a channel of a part holds: by its own layer, or by the part's
- * name when it has none. `in` as above. */
+ * name when it has none. */
 enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
     const struct gp_input *in, int part, const char *name);
 
@@ -135,16 +130,6 @@ struct gp_exr_choice {
 GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const struct gp_input *in,
     int first, struct gp_exr_choice *out);
-
-/* The frame of a deep part and its colour (flatten.c), without an input: of its
- * channels those of the colour and A. Errors: those of gp_exr_deep_read(); GP_ERR_DATA
- * no Z or no A. */
-GP_MUST_CHECK gp_status gp_exr_read_flat(const struct gp_log *log,
-                                         const struct gp_read_params *p,
-                                         const char *path,
-                                         const struct gp_input *in,
-                                         const struct gp_exr_choice *choice,
-                                         struct gp_frame *out);
 
 /* -- luminance-chroma images to RGB (luma_chroma.c) ------------------------
  *

@@ -2,7 +2,7 @@
 /* A part of an EXR as a frame, and further layers of the same file. */
 #include "io/exr/exr_priv.h"
 
-#include "core/colour.h"
+#include "core/deep.h"
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/decoded.h"
@@ -14,10 +14,8 @@ struct reading {
     const struct gp_log *log;
     const char *path;
     struct gp_frame *f;
-    struct gp_exr_chunks chunks;
+    struct gp_exr_chunks chunks; // borrowed
     const struct gp_exr_choice *choice;
-    struct gp_exr_sink *sink; // one a channel
-    float *yc[3];             // RY, Y, BY before they are RGB
 };
 
 gp_status gp_exr_decode_full(const struct gp_log *log,
@@ -63,6 +61,25 @@ out:
 
 /* -- channels ------------------------------------------------------------- */
 
+/* Adds channel i of the part, with room for its samples where it is no colour. */
+static gp_status add_channel(const struct reading *r, int i,
+                             enum gp_pixel_type type)
+{
+    const struct gp_exr_chunks *const cs = &r->chunks;
+    const exr_attr_chlist_entry_t *const e = &cs->channel->entries[i];
+    const struct gp_channel like = {
+        .name = (char *) (uintptr_t) e->name.str,
+        .type = type,
+        .xs = e->x_sampling,
+        .ys = e->y_sampling,
+        .w = cs->w / e->x_sampling,
+        .h = cs->h / e->y_sampling,
+        .linear = e->p_linear,
+        .colour = gp_colour_of(&r->choice->colour, i),
+    };
+    return gp_frame_add(r->log, r->f, &like);
+}
+
 /* Full resolution for all but chroma, which may be halved in both ways. */
 static gp_status check_sampling(const struct reading *r)
 {
@@ -85,64 +102,131 @@ static gp_status check_sampling(const struct reading *r)
     return GP_OK;
 }
 
-/* Lists the channels, and where their samples go. */
-static gp_status make_channels(struct reading *r)
+/* Makes the channels of a flat part and its colour, of samples as they are. */
+static gp_status read_flat(struct reading *r)
 {
     const struct gp_exr_chunks *cs = &r->chunks;
+    const int *const index = r->choice->colour.index;
     struct gp_frame *const f = r->f;
+    const bool chroma = f->model == GP_COLOUR_YC;
     const int n = cs->channel->num_channels;
+    struct gp_exr_sink *sink = NULL;   // one a channel
+    float *yc[3] = {NULL, NULL, NULL}; // RY, Y, BY before they are RGB
     gp_status st;
-    GP_TRY(gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *f->channel,
-                         &f->channel));
-    GP_TRY(gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *r->sink,
-                         &r->sink));
-    GP_TRY(gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb));
-    f->colour_type = GP_HALF;
+    GP_TRY(check_sampling(r));
+    GP_TRY(gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *sink, &sink));
     for (int i = 0; i < n; i++) {
-        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
-        struct gp_channel *c = &f->channel[f->channels++];
-        *c = (struct gp_channel) {
-            .type = (enum gp_pixel_type) e->pixel_type, .xs = e->x_sampling,
-            .ys = e->y_sampling, .w = cs->w / e->x_sampling,
-            .h = cs->h / e->y_sampling, .linear = e->p_linear, .colour = -1,
+        struct gp_channel *const c = &f->channel[i];
+        GP_TRY(add_channel(
+            r, i, (enum gp_pixel_type) cs->channel->entries[i].pixel_type));
+        sink[i] = (struct gp_exr_sink) {c->data, c->colour >= 0};
+        if (chroma && c->colour >= 0)
+            GP_TRY(gp_alloc(r->log, "chroma", (size_t) c->w * (size_t) c->h,
+                            sizeof(float), &yc[c->colour]));
+        if (c->colour >= 0)
+            sink[i].to = chroma ? yc[c->colour] : f->rgb.c[c->colour];
+    }
+    GP_TRY(gp_exr_decode(r->log, cs, sink));
+    if (chroma) { // a chroma channel that is missing is 0
+        const struct gp_channel *c =
+            &f->channel[index[0] >= 0 ? index[0] : index[2]];
+        for (int k = 0; k < 3; k += 2) {
+            if (!yc[k])
+                GP_TRY(gp_alloc_zero(r->log, "chroma",
+                                     (size_t) c->w * (size_t) c->h,
+                                     sizeof(float), &yc[k]));
+        }
+        struct gp_yc in = {
+            .w = cs->w,
+            .h = cs->h,
+            .xs = c->xs,
+            .ys = c->ys,
+            .y = yc[1],
+            .ry = yc[0],
+            .by = yc[2],
+            .half = f->colour_type == GP_HALF,
         };
-        const size_t samples = (size_t) c->w * (size_t) c->h;
-        for (int k = 0; k < 3; k++) {
-            if (r->choice->colour.index[k] == i)
-                c->colour = k;
-        }
-        c->name = gp_strdup(e->name.str);
-        if (!c->name)
-            GP_TRY(gp_no_memory(r->log, r->path));
-        if (c->colour < 0) {
-            GP_TRY(gp_alloc(r->log, c->name, samples, gp_type_size(c->type),
-                            &c->data));
-            r->sink[i].to = c->data;
-            continue;
-        }
-        if (c->type != GP_HALF)
-            f->colour_type = GP_FLOAT;
-        float **const plane = f->model == GP_COLOUR_YC ? r->yc : f->rgb.c;
-        if (f->model == GP_COLOUR_YC)
-            GP_TRY(gp_alloc(r->log, "chroma", samples, sizeof(float),
-                            &plane[c->colour]));
-        r->sink[i] = (struct gp_exr_sink) {plane[c->colour], true};
+        gp_yc_weights(f->chromaticities, in.weight);
+        GP_TRY(gp_yc_to_rgb(r->log, &in, &f->rgb));
     }
 out:
+    gp_free(sink);
+    for (int k = 0; k < 3; k++)
+        gp_free(yc[k]);
     return st;
 }
 
-/* -- colour --------------------------------------------------------------- */
+/* -- deep parts ----------------------------------------------------------- */
 
-/* Plane k of a colour that has no channel for it: grey's first, or black. */
-static void fill_missing_plane(struct gp_frame *f, int k)
+/* Finds channel `word` of the layer that `like` is of, else of none; -1: no such
+ * channel. */
+static int beside(const exr_attr_chlist_t *list, const char *like,
+                  const char *word)
 {
-    const size_t bytes = gp_frame_pixels(f) * sizeof(float);
-    if (f->model == GP_COLOUR_GREY)
-        memcpy(f->rgb.c[k], f->rgb.c[0], bytes);
-    else
-        memset(f->rgb.c[k], 0, bytes);
+    int plain = -1;
+    const size_t layer = gp_layer_length(like);
+    for (int i = 0; i < list->num_channels; i++) {
+        const char *const name = list->entries[i].name.str;
+        if (strncmp(name, like, layer) == 0 && strcmp(name + layer, word) == 0)
+            return i;
+        if (strcmp(name, word) == 0)
+            plain = i;
+    }
+    return plain;
 }
+
+/* Flattens a deep part by its own alpha; of its channels the frame gets those of
+ * the colour and A, as floats. */
+static gp_status flatten(struct reading *r, const struct gp_exr_deep *deep)
+{
+    const exr_attr_chlist_t *const list = r->chunks.channel;
+    const int *const index = r->choice->colour.index;
+    const char *const like = list->entries[index[0]].name.str;
+    const int z = beside(list, like, "Z"), alpha = beside(list, like, "A");
+    const int back = beside(list, like, "ZBack");
+    const int all[] = {z, alpha, index[0], index[1], index[2], back};
+    for (int i = 0; i < 6; i++) {
+        if (i < 2 && all[i] < 0)
+            return gp_fail(r->log, GP_ERR_DATA,
+                           "%s: deep data without %s (part "
+                           "%d) has no picture; render it, or flatten the file "
+                           "with e.g. oiiotool --flatten",
+                           r->path, i ? "A" : "Z", r->choice->part);
+        if (all[i] >= 0 && list->entries[all[i]].pixel_type == EXR_PIXEL_UINT)
+            return gp_fail(r->log, GP_ERR_DATA,
+                           "%s: deep channel %s is of whole "
+                           "numbers (part %d); write floats",
+                           r->path, list->entries[all[i]].name.str,
+                           r->choice->part);
+    }
+    struct gp_deep d = {
+        .window = r->f->data,
+        .first = deep->first,
+        .z = deep->sample[z],
+        .alpha = deep->sample[alpha],
+        .back = back < 0 ? NULL : deep->sample[back],
+    };
+    for (int c = 0; c < 3; c++)
+        d.colour[c] = deep->sample[index[c] < 0 ? index[0] : index[c]];
+    float *flat = NULL;
+    for (int i = 0; i < list->num_channels; i++) {
+        const bool colour = i == index[0] || i == index[1] || i == index[2];
+        const gp_status st =
+            colour || i == alpha
+                ? add_channel(
+                      r, i,
+                      colour ? (enum gp_pixel_type) list->entries[i].pixel_type
+                             : GP_FLOAT)
+                : GP_OK;
+        if (st)
+            return st;
+        if (i == alpha && !colour)
+            flat = r->f->channel[r->f->channels - 1].data;
+    }
+    return gp_deep_flatten(r->log, &d, &r->f->rgb, flat);
+}
+
+/* -- frames --------------------------------------------------------------- */
 
 /* The frame of one part and its colour, without an input. */
 static gp_status read_choice(const struct gp_log *log,
@@ -150,52 +234,27 @@ static gp_status read_choice(const struct gp_log *log,
     const struct gp_exr_choice *choice, struct gp_frame *out)
 {
     gp_status st;
-    const int *const index = choice->colour.index;
-    struct gp_frame f = {.model = choice->colour.model};
-    struct reading r = {
-        .log = log, .path = path, .f = &f, .choice = choice,
-    };
-    if (gp_exr_is_deep(in, choice->part) &&
-        choice->colour.model != GP_COLOUR_YC && index[0] >= 0)
-        return gp_exr_read_flat(log, p, path, in, choice, out);
-    GP_TRY(gp_exr_chunks_find(log, path, in, choice->part, p->max_pixels,
-                              &r.chunks));
+    struct gp_frame f = {.model = choice->colour.model, .colour_type = GP_HALF};
+    struct gp_exr_deep deep = {.first = NULL};
+    struct reading r = {.log = log, .path = path, .f = &f, .choice = choice};
+    const bool is_deep = gp_exr_is_deep(in, choice->part) &&
+                         f.model != GP_COLOUR_YC &&
+                         choice->colour.index[0] >= 0;
+    GP_TRY(is_deep ? gp_exr_deep_read(log, path, in, choice->part,
+                                      p->max_pixels, &deep)
+                   : gp_exr_chunks_find(log, path, in, choice->part,
+                                        p->max_pixels, &deep.part));
+    r.chunks = deep.part;
     gp_exr_frame_header(&r.chunks, &f);
     GP_TRY(gp_window_check(log, path, "display",
            (int64_t) f.display.x1 - f.display.x0,
            (int64_t) f.display.y1 - f.display.y0, p->max_pixels));
-    GP_TRY(check_sampling(&r));
-    GP_TRY(make_channels(&r));
-    GP_TRY(gp_exr_decode(log, &r.chunks, r.sink));
-    if (f.model == GP_COLOUR_YC) { // a chroma channel that is missing is 0
-        const struct gp_channel *c = &f.channel[index[0] >= 0 ? index[0]
-                                                              : index[2]];
-        for (int k = 0; k < 3; k += 2) {
-            if (!r.yc[k])
-                GP_TRY(gp_alloc_zero(log, "chroma",
-                                     (size_t) c->w * (size_t) c->h,
-                                     sizeof(float), &r.yc[k]));
-        }
-        struct gp_yc yc = {
-            .w = r.chunks.w, .h = r.chunks.h, .xs = c->xs, .ys = c->ys,
-            .y = r.yc[1], .ry = r.yc[0], .by = r.yc[2],
-            .half = f.colour_type == GP_HALF,
-        };
-        gp_yc_weights(f.chromaticities, yc.weight);
-        GP_TRY(gp_yc_to_rgb(log, &yc, &f.rgb));
-    }
-    for (int k = 0; f.model != GP_COLOUR_YC && k < 3; k++) {
-        if (index[k] < 0)
-            fill_missing_plane(&f, k);
-    }
-    f.path = gp_strdup(path);
-    if (!f.path)
-        st = gp_no_memory(log, path);
+    GP_TRY(gp_frame_make(log, path, r.chunks.channel->num_channels, &f));
+    GP_TRY(is_deep ? flatten(&r, &deep) : read_flat(&r));
+    if (!is_deep && f.model != GP_COLOUR_YC)
+        gp_frame_fill(&f, choice->colour.index);
 out:
-    gp_exr_chunks_free(&r.chunks);
-    gp_free(r.sink);
-    for (int k = 0; k < 3; k++)
-        gp_free(r.yc[k]);
+    gp_exr_deep_free(&deep);
     if (st)
         gp_frame_free(&f);
     else
@@ -245,34 +304,27 @@ static gp_status copy_layer(const struct gp_log *log, const struct gp_frame *f,
 {
     gp_status st;
     *out = (struct gp_frame) {
-        .path = gp_strdup(f->path), .data = f->data, .display = f->display,
-        .pixel_aspect = f->pixel_aspect, .part = f->part, .parts = f->parts,
-        .model = colour->model, .colour_type = GP_HALF,
+        .data = f->data,
+        .display = f->display,
+        .pixel_aspect = f->pixel_aspect,
+        .part = f->part,
+        .parts = f->parts,
+        .model = colour->model,
+        .colour_type = GP_HALF,
     };
     memcpy(out->chromaticities, f->chromaticities, sizeof f->chromaticities);
     memcpy(out->luminance, f->luminance, sizeof f->luminance);
-    if (!out->path)
-        GP_TRY(gp_no_memory(log, f->path));
-    GP_TRY(gp_planes_make(log, "layer", gp_frame_pixels(f), &out->rgb));
-    GP_TRY(gp_alloc_zero(log, "channels", 3, sizeof *out->channel,
-                         &out->channel));
+    GP_TRY(gp_frame_make(log, f->path, 3, out));
     for (int k = 0; k < 3; k++) {
         const int index = colour->index[k];
-        if (index < 0) {
-            fill_missing_plane(out, k);
+        if (index < 0)
             continue;
-        }
-        struct gp_channel *to = &out->channel[out->channels++];
-        *to = f->channel[index];
-        to->data = NULL;
-        to->colour = k;
-        to->name = gp_strdup(f->channel[index].name);
-        if (!to->name)
-            GP_TRY(gp_no_memory(log, f->path));
-        if (to->type != GP_HALF)
-            out->colour_type = GP_FLOAT;
+        struct gp_channel like = f->channel[index];
+        like.colour = k;
+        GP_TRY(gp_frame_add(log, out, &like));
         gp_channel_floats(f, index, out->rgb.c[k]);
     }
+    gp_frame_fill(out, colour->index);
 out:
     return st;
 }

@@ -293,7 +293,10 @@ static void alpha_of_the_colour(void **state)
 
 static void layers_of_ids(void **state)
 {
-    static const struct gp_crypto told = {{"uObject", "l.mat"}, 2};
+    static const struct gp_crypto told = {
+        .layer = {"uObject", "l.mat"},
+        .n = 2,
+    };
     static const struct {
         const char *layer;
         enum gp_crypto_kind kind;
