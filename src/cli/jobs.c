@@ -223,16 +223,16 @@ static gp_status find_views(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_jobs *j,
     struct gp_views *found, const char **input)
 {
+    gp_status st = GP_OK;
     *input = j->job[0].input;
     if (j->members.n)
-        return gp_members_views(log, &s->input.read, &j->members, found);
-    gp_status st = GP_OK;
+        return gp_read_views(log, &s->input.read, "-", &j->members, found);
     for (int i = 0; i < j->n; i++) {
         struct stat info;
         *input = j->job[i].input;
         if (stat(*input, &info) != 0 || !S_ISREG(info.st_mode))
             continue;
-        st = gp_read_views(log, &s->input.read, *input, found);
+        st = gp_read_views(log, &s->input.read, *input, &j->members, found);
         if (!st || st == GP_ERR_BUG)
             return st;
     }

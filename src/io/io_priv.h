@@ -127,12 +127,6 @@ struct gp_quantizer {
 void gp_quantize(const struct gp_quantizer *q, const float *value, int x, int y,
                  uint16_t *code, size_t n);
 
-/* Scratch for one row. */
-struct gp_picture_row {
-    uint16_t *code[4];  // width codes of each channel
-    float *linear[4];   // the same as values, for gp_picture_floats()
-};
-
 struct gp_picture {
     int width, height;  // of the display window
     int channels;       // 3, or 4 with alpha
@@ -158,35 +152,30 @@ GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
     struct gp_picture *out);
 void gp_picture_free(struct gp_picture *pic);
 
-/* Runs body(ctx, y, row) once for each row y of the picture, in parallel and in
- * any order. `row` is scratch for gp_picture_codes() and its like. A body
- * writes nothing that another y reads and prints nothing. */
-typedef void (*gp_picture_body)(void *ctx, int y, struct gp_picture_row *row);
-GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
-    const struct gp_picture *pic, gp_picture_body body, void *ctx);
+/* Interleaved samples of a picture's display window. */
+struct gp_samples {
+    size_t bytes;     // of one: codes of 1 or 2, little-endian floats of 4
+    bool big;         // codes are big-endian
+    bool fractions;   // floats are codes divided by the largest
+    bool from_bottom; // the last row comes first
+    size_t lead;      // bytes before the samples of each row
+    void (*finish)(const struct gp_picture *pic, uint8_t *row); // or NULL
+    void *to; // rows of `lead` and width * channels * bytes
+};
 
-/* Row y of the display window, 0 at its top, as codes in row->code: sRGB, or
- * what an encoded picture has.
- * Pixels outside the data window are 0 in all channels.
+/* Fills s->to, in parallel. Codes are sRGB, or as an encoded picture has them,
+ * floats values as they are with associated alpha. Pixels outside the data
+ * window are 0 in all channels.
  *
- * With alpha the colours are not associated, as PNG wants them. A pixel may
- * hold more light than its opacity A lets through, above all where A is 0 and
- * glare shines over an empty background. Alpha is raised to the largest
+ * With alpha the colours of codes are not associated, as PNG wants them. A pixel
+ * may hold more light than its opacity A lets through, above all where A is 0
+ * and glare shines over an empty background. Alpha is raised to the largest
  * component there: a = max(A, R, G, B), each clamped to [0, 1], so that
  * colour / a stays within 1 and the picture put over black is, pixel by
  * pixel, the picture without alpha. With GP_ALPHA_ASSOCIATED the colours are
  * those of the picture without alpha, with A beside them. */
-void gp_picture_codes(const struct gp_picture *pic, int y,
-                      struct gp_picture_row *row);
-
-/* The same row as values as they are, associated alpha, in row->linear. */
-void gp_picture_floats(const struct gp_picture *pic, int y,
-                       struct gp_picture_row *row);
-
-/* The same row as interleaved samples: codes of 1 or 2 bytes, in big-endian
- * order or not, or little-endian floats of 4. */
-void gp_picture_samples(const struct gp_picture *pic, int y,
-                        struct gp_picture_row *row, size_t bytes, bool big,
-                        uint8_t *to);
+GP_MUST_CHECK gp_status gp_picture_samples(const struct gp_log *log,
+                                           const struct gp_picture *pic,
+                                           const struct gp_samples *s);
 
 #endif

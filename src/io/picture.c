@@ -169,40 +169,11 @@ void gp_picture_free(struct gp_picture *pic)
 
 // -- rows ---------------------------------------------------------------------
 
-struct rows {
-    gp_picture_body body;
-    void *ctx;
-    struct gp_picture_row *of; // each thread
+/* Scratch for one row. */
+struct row {
+    uint16_t *code[4]; // width codes of each channel
+    float *linear[4];  // the same as values
 };
-
-static void run_row(void *ctx, int y, int thread)
-{
-    const struct rows *const r = ctx;
-    r->body(r->ctx, y, &r->of[thread]);
-}
-
-gp_status gp_picture_each_row(const struct gp_log *log,
-    const struct gp_picture *pic, gp_picture_body body, void *ctx)
-{
-    gp_status st;
-    float *linear = NULL;
-    uint16_t *code = NULL;
-    const size_t n = (size_t) gp_threads(), w = (size_t) pic->width;
-    struct rows r = {.body = body, .ctx = ctx};
-    GP_TRY(gp_alloc_zero(log, "picture rows", n, sizeof *r.of, &r.of));
-    GP_TRY(gp_alloc(log, "picture rows", 4 * n, w * sizeof(float), &linear));
-    GP_TRY(gp_alloc(log, "picture rows", 4 * n, w * sizeof(uint16_t), &code));
-    for (size_t i = 0; i < 4 * n; i++) {
-        r.of[i / 4].linear[i % 4] = linear + i * w;
-        r.of[i / 4].code[i % 4] = code + i * w;
-    }
-    gp_parallel_do(pic->height, run_row, &r);
-out:
-    gp_free(code);
-    gp_free(linear);
-    gp_free(r.of);
-    return st;
-}
 
 /* Samples [at, at + n) of the planes go to [x, x + n) of a picture's row. */
 struct span {
@@ -232,8 +203,8 @@ static void clear_around(void *row, size_t size, struct span s, size_t width)
     memset(bytes + (s.x + s.n) * size, 0, (width - s.x - s.n) * size);
 }
 
-void gp_picture_codes(const struct gp_picture *pic, int y,
-                      struct gp_picture_row *row)
+static void make_codes(const struct gp_picture *pic, int y,
+                       const struct row *row)
 {
     const struct gp_quantizer *const q = &pic->quantizer;
     const struct gp_quantizer plain = {.max = q->max}; // of alpha
@@ -268,8 +239,8 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
         clear_around(row->code[c], sizeof(uint16_t), s, (size_t) pic->width);
 }
 
-void gp_picture_floats(const struct gp_picture *pic, int y,
-                       struct gp_picture_row *row)
+static void make_floats(const struct gp_picture *pic, int y,
+                        const struct row *row)
 {
     const struct span s = span_of(pic, y);
     for (int c = 0; c < pic->channels; c++) {
@@ -279,26 +250,64 @@ void gp_picture_floats(const struct gp_picture *pic, int y,
     }
 }
 
-void gp_picture_samples(const struct gp_picture *pic, int y,
-                        struct gp_picture_row *row, size_t bytes, bool big,
-                        uint8_t *to)
+struct gathering {
+    const struct gp_picture *pic;
+    const struct gp_samples *s;
+    struct row *row; // of each thread
+};
+
+static void gather_row(void *ctx, int y, int thread)
 {
-    const size_t n = (size_t) pic->channels, w = (size_t) pic->width;
-    if (bytes == 4)
-        gp_picture_floats(pic, y, row);
-    else
-        gp_picture_codes(pic, y, row);
+    const struct gathering *const g = ctx;
+    const struct gp_samples *const s = g->s;
+    const struct row *const row = &g->row[thread];
+    const size_t n = (size_t) g->pic->channels, w = (size_t) g->pic->width;
+    const int line = s->from_bottom ? g->pic->height - 1 - y : y;
+    uint8_t *const start =
+        (uint8_t *) s->to + (size_t) line * (s->lead + w * n * s->bytes);
+    uint8_t *const to = start + s->lead;
+    const bool floats = s->bytes == 4 && !s->fractions;
+    (floats ? make_floats : make_codes)(g->pic, y, row);
     for (size_t c = 0; c < n; c++) {
-        for (size_t x = 0; bytes == 1 && x < w; x++)
-            to[x * n + c] = (uint8_t) row->code[c][x];
-        for (size_t x = 0; bytes == 2 && x < w; x++) {
-            const uint16_t code = row->code[c][x];
-            const uint16_t put = big ? htobe16(code) : htole16(code);
+        const uint16_t *const code = row->code[c];
+        for (size_t x = 0; s->bytes == 1 && x < w; x++)
+            to[x * n + c] = (uint8_t) code[x];
+        for (size_t x = 0; s->bytes == 2 && x < w; x++) {
+            const uint16_t put = s->big ? htobe16(code[x]) : htole16(code[x]);
             memcpy(to + 2 * (x * n + c), &put, sizeof put);
         }
-        for (size_t x = 0; bytes == 4 && x < w; x++) {
-            const uint32_t bits = htole32(gp_bits_of(row->linear[c][x]));
+        for (size_t x = 0; s->bytes == 4 && x < w; x++) {
+            const float v =
+                floats ? row->linear[c][x]
+                       : (float) code[x] / (float) g->pic->quantizer.max;
+            const uint32_t bits = htole32(gp_bits_of(v));
             memcpy(to + 4 * (x * n + c), &bits, sizeof bits);
         }
     }
+    if (s->finish)
+        s->finish(g->pic, start);
+}
+
+gp_status gp_picture_samples(const struct gp_log *log,
+                             const struct gp_picture *pic,
+                             const struct gp_samples *s)
+{
+    gp_status st;
+    float *linear = NULL;
+    uint16_t *code = NULL;
+    const size_t n = (size_t) gp_threads(), w = (size_t) pic->width;
+    struct gathering g = {.pic = pic, .s = s};
+    GP_TRY(gp_alloc_zero(log, "picture rows", n, sizeof *g.row, &g.row));
+    GP_TRY(gp_alloc(log, "picture rows", 4 * n, w * sizeof(float), &linear));
+    GP_TRY(gp_alloc(log, "picture rows", 4 * n, w * sizeof(uint16_t), &code));
+    for (size_t i = 0; i < 4 * n; i++) {
+        g.row[i / 4].linear[i % 4] = linear + i * w;
+        g.row[i / 4].code[i % 4] = code + i * w;
+    }
+    gp_parallel_do(pic->height, gather_row, &g);
+out:
+    gp_free(code);
+    gp_free(linear);
+    gp_free(g.row);
+    return st;
 }

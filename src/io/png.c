@@ -299,24 +299,13 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
  * longer. */
 enum { FILTER_SUB = 1, CHUNK_MOST = 1 << 30 };
 
-struct filtering {
-    const struct gp_picture *pic;
-    uint8_t *to;       // height rows of `stride` bytes
-    size_t stride;     // filter type and samples
-};
-
 /* The filter is on bytes, each after that of the pixel before. */
-static void filter_row(void *ctx, int y, struct gp_picture_row *row)
+static void filter_row(const struct gp_picture *pic, uint8_t *row)
 {
-    const struct filtering *const f = ctx;
-    const size_t bytes = (size_t) f->pic->bits / 8;
-    const size_t step = (size_t) f->pic->channels * bytes;
-    uint8_t *const line = f->to + (size_t) y * f->stride;
-    uint8_t *const to = line + 1;
-    gp_picture_samples(f->pic, y, row, bytes, true, to);
-    line[0] = FILTER_SUB;
-    for (size_t i = f->stride - 2; i >= step; i--)
-        to[i] = (uint8_t) (to[i] - to[i - step]);
+    const size_t step = (size_t) pic->channels * (size_t) pic->bits / 8;
+    row[0] = FILTER_SUB;
+    for (size_t i = (size_t) pic->width * step; i > step; i--)
+        row[i] = (uint8_t) (row[i] - row[i - step]);
 }
 
 /* State of libpng's callbacks. */
@@ -487,20 +476,26 @@ gp_status gp_png_write(const struct gp_log *log,
 {
     gp_status st;
     struct gp_picture pic = {0};
-    struct filtering f = {.pic = &pic};
     struct target t = {.log = log};
-    void *data = NULL;
+    void *rows = NULL, *data = NULL;
     size_t size = 0;
     (void) stats;
     const struct tags tags = tags_of(p, frame, kind);
     GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, &pic));
-    f.stride = 1 + (size_t) pic.width * (size_t) pic.channels *
-                   (size_t) (pic.bits / 8);
-    const size_t n = f.stride * (size_t) pic.height;
-    GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &f.to));
-    GP_TRY(gp_picture_each_row(log, &pic, filter_row, &f));
-    GP_TRY(gp_zlib_pack(log, f.to, n, p->png_level, &data, &size));
-    GP_FREE(f.to);
+    struct gp_samples samples = {
+        .bytes = (size_t) pic.bits / 8,
+        .big = true,
+        .lead = 1,
+        .finish = filter_row,
+    };
+    const size_t n =
+        (size_t) pic.height *
+        (1 + (size_t) pic.width * (size_t) pic.channels * samples.bytes);
+    GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &rows));
+    samples.to = rows;
+    GP_TRY(gp_picture_samples(log, &pic, &samples));
+    GP_TRY(gp_zlib_pack(log, rows, n, p->png_level, &data, &size));
+    GP_FREE(rows);
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
     if (p->fsync)
         gp_file_sync(t.file);
@@ -508,7 +503,7 @@ gp_status gp_png_write(const struct gp_log *log,
     GP_TRY(gp_file_commit(&t.file));
 out:
     gp_file_discard(&t.file);
-    gp_free(f.to);
+    gp_free(rows);
     gp_free(data);
     gp_picture_free(&pic);
     return st;

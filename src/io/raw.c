@@ -137,22 +137,6 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
 
 // -- writing ------------------------------------------------------------------
 
-struct gathering {
-    const struct gp_picture *pic;
-    size_t bytes; // of a sample
-    bool big, from_bottom;
-    uint8_t *to;
-};
-
-static void gather_row(void *ctx, int y, struct gp_picture_row *row)
-{
-    const struct gathering *const g = ctx;
-    const size_t stride = (size_t) g->pic->width * 3 * g->bytes;
-    const int line = g->from_bottom ? g->pic->height - 1 - y : y;
-    gp_picture_samples(g->pic, y, row, g->bytes, g->big,
-                       g->to + (size_t) line * stride);
-}
-
 /* Writes samples over black: a raw frame of `frames`' size; NULL: a PFM. */
 static gp_status write_samples(const struct gp_log *log,
     struct gp_write_params p, const char *path, const struct gp_frame *f,
@@ -180,9 +164,13 @@ static gp_status write_samples(const struct gp_log *log,
         *frames = (struct gp_raw_size) {pic.width, pic.height};
     const size_t size = (size_t) pic.width * (size_t) pic.height * 3 * sample;
     GP_TRY(gp_alloc(log, "picture", size, 1, &bytes));
-    struct gathering g = {&pic, sample, p.raw == GP_RAW_RGB48BE, !frames,
-                          bytes};
-    GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
+    const struct gp_samples samples = {
+        .bytes = sample,
+        .big = p.raw == GP_RAW_RGB48BE,
+        .from_bottom = !frames,
+        .to = bytes,
+    };
+    GP_TRY(gp_picture_samples(log, &pic, &samples));
     GP_TRY(gp_file_open(log, path, p.create_dir, &file));
     if (p.fsync)
         gp_file_sync(file);

@@ -267,57 +267,38 @@ bool gp_read_has_end(const char *path)
 
 // -- views of a file ----------------------------------------------------------
 
-/* Of an open EXR; NULL: of another format. */
-static gp_status list_views(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_input *in,
-    struct gp_views *out)
+gp_status gp_read_views(const struct gp_log *log,
+                        const struct gp_read_params *p, const char *path,
+                        const struct gp_members *m, struct gp_views *out)
 {
-    const char *view[GP_VIEWS_MAX];
-    const int n = in ? gp_exr_views(p, in, view) : 0;
-    *out = (struct gp_views) {0};
-    bool full = n < 0;
-    for (int i = 0; n > 1 && i < n && !full; i++) {
-        out->name[i] = gp_strdup(view[i]);
-        full = !out->name[i];
-        out->n += !full;
-    }
-    if (full)
-        gp_views_free(out);
-    return full ? gp_no_memory_bare(log, "view list") : GP_OK;
-}
-
-gp_status gp_frame_views(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f,
-    struct gp_views *out)
-{
-    return list_views(log, p, gp_input_of(f), out);
-}
-
-/* Of a stream, which it closes. */
-static gp_status stream_views(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, struct gp_stream *stream,
-    struct gp_views *out)
-{
+    struct gp_stream stream;
     struct gp_input *in = NULL;
     const struct gp_reader *r;
-    gp_status st = find_reader(log, path, stream, &r);
-    if (!st && r == gp_readers)
-        st = gp_exr_open(log, path, stream, &in);
+    bool exr;
+    gp_status st = GP_OK;
+    *out = (struct gp_views) {0};
+    if (m->n)
+        stream = gp_stream_of(m->stream.data, m->member[0].size);
     else
-        gp_stream_close(stream);
+        st = gp_read_open(log, p, path, &stream, &exr);
     if (!st)
-        st = list_views(log, p, in, out);
+        st = find_reader(log, path, &stream, &r);
+    if (!st && r == gp_readers)
+        st = gp_exr_open(log, path, &stream, &in);
+    if (in)
+        st = gp_exr_views(log, p, in, out);
+    gp_stream_close(&stream);
     gp_input_free(in);
     return st;
 }
 
-gp_status gp_read_views(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, struct gp_views *out)
+gp_status gp_frame_views(const struct gp_log *log,
+                         const struct gp_read_params *p,
+                         const struct gp_frame *f, struct gp_views *out)
 {
-    struct gp_stream stream;
-    bool exr;
-    const gp_status st = gp_read_open(log, p, path, &stream, &exr);
-    return st ? st : stream_views(log, p, path, &stream, out);
+    const struct gp_input *const in = gp_input_of(f);
+    *out = (struct gp_views) {0};
+    return in ? gp_exr_views(log, p, in, out) : GP_OK;
 }
 
 // -- several images in one stream ---------------------------------------------
@@ -392,14 +373,6 @@ gp_status gp_members_frame(const struct gp_log *log,
     struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
                                          m->member[i].size);
     return gp_read_stream(log, p, name, &view, out);
-}
-
-gp_status gp_members_views(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_members *m,
-    struct gp_views *out)
-{
-    struct gp_stream view = gp_stream_of(m->stream.data, m->member[0].size);
-    return stream_views(log, p, "-", &view, out);
 }
 
 // -- names of what was read ---------------------------------------------------

@@ -110,9 +110,14 @@ GP_MUST_CHECK gp_status gp_read_layer(const struct gp_log *log,
  * for; p->view does not count. First comes the view that gp_read_frame() takes
  * without p->view, then the others in the order of the file. None of a file
  * that names fewer than two, and of other formats. Free with gp_views_free().
+ *   m  where it has images, the first of them is read in place of a file
  * Errors: those of gp_read_frame() for a file that cannot be opened. */
+struct gp_members;
 GP_MUST_CHECK gp_status gp_read_views(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, struct gp_views *out);
+                                      const struct gp_read_params *p,
+                                      const char *path,
+                                      const struct gp_members *m,
+                                      struct gp_views *out);
 
 /* The same of a frame that was read. */
 GP_MUST_CHECK gp_status gp_frame_views(const struct gp_log *log,
@@ -162,11 +167,6 @@ void gp_members_free(struct gp_members *m);
 GP_MUST_CHECK gp_status gp_members_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *name,
     const struct gp_members *m, int i, struct gp_frame *out);
-
-/* gp_read_views() for the first image. */
-GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_members *m,
-    struct gp_views *out);
 
 /* -- versions -------------------------------------------------------------- */
 

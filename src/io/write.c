@@ -8,7 +8,6 @@
 #include "io/oiio/oiio.h"
 #include "io/read.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -135,19 +134,12 @@ static gp_status check_format(const struct gp_log *log,
 
 // -- pictures by OpenImageIO --------------------------------------------------
 
-struct gathering {
-    const struct gp_picture *pic;
-    float *to;     // interleaved
-    bool integer;  // codes as fractions of the largest
-    bool radiance; // three floats as Radiance HDR holds them
-};
-
 /* The nearest that Radiance's pixel holds: three mantissas of 8 bits and the
  * exponent of the largest (G. Ward, "Real Pixels", Graphics Gems II, 1991).
  * OpenImageIO cuts mantissas off and turns negative ones into others, and
  * takes all of a pixel under 1e-32 for 0; it leaves these values as they are.
  * NaN and negative values become 0, those beyond the format its largest. */
-static void round_radiance(float *v)
+static void round_pixel(float *v)
 {
     const float largest = 255.0f * 0x1p119f;
     float most = 0.0f;
@@ -164,44 +156,10 @@ static void round_radiance(float *v)
         v[c] = rintf(v[c] / step) * step;
 }
 
-static void gather_row(void *ctx, int y, struct gp_picture_row *row)
+static void round_radiance(const struct gp_picture *pic, uint8_t *row)
 {
-    const struct gathering *g = ctx;
-    const size_t n = (size_t) g->pic->channels, w = (size_t) g->pic->width;
-    const float max = (float) ((1 << g->pic->bits) - 1);
-    float *to = g->to + (size_t) y * w * n;
-    if (g->integer)
-        gp_picture_codes(g->pic, y, row);
-    else
-        gp_picture_floats(g->pic, y, row);
-    for (size_t c = 0; c < n; c++) {
-        for (size_t x = 0; x < w; x++)
-            to[x * n + c] = g->integer ? (float) row->code[c][x] / max
-                                       : row->linear[c][x];
-    }
-    for (size_t x = 0; g->radiance && x < w; x++)
-        round_radiance(to + x * n);
-}
-
-static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
-                             const struct gp_stream *s)
-{
-    enum { BLOCK_BYTES = 1 << 18 };
-    void *block;
-    uint64_t at = 0;
-    gp_status st = gp_alloc(log, "block", BLOCK_BYTES, 1, &block);
-    while (!st && at < s->size) {
-        const int64_t n = gp_stream_read(s, block, BLOCK_BYTES, at);
-        if (n <= 0)
-            st = gp_fail(log, GP_ERR_IO, "%s: cannot read the file in "
-                         "memory (%s); write .exr or .png", gp_file_path(file),
-                         n < 0 ? strerror(errno) : "it is short");
-        else
-            st = gp_file_write(file, block, (size_t) n);
-        at += n > 0 ? (uint64_t) n : 0;
-    }
-    gp_free(block);
-    return st;
+    for (int x = 0; x < pic->width; x++)
+        round_pixel((float *) (void *) row + 3 * x);
 }
 
 static gp_status write_by_helper(const struct gp_log *log,
@@ -229,10 +187,13 @@ static gp_status write_by_helper(const struct gp_log *log,
     const size_t n = (size_t) pic.width * (size_t) pic.height *
                      (size_t) pic.channels;
     GP_TRY(gp_shared_make(log, path, n * sizeof(float), &pixels));
-    struct gathering g = {.pic = &pic, .integer = integer,
-                          .radiance = t->floats && t->bits == 0,
-                          .to = pixels.at};
-    GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
+    const struct gp_samples samples = {
+        .bytes = sizeof(float),
+        .fractions = integer,
+        .to = pixels.at,
+        .finish = t->floats && t->bits == 0 ? round_radiance : NULL,
+    };
+    GP_TRY(gp_picture_samples(log, &pic, &samples));
     GP_TRY(gp_file_open(log, path, p->create_dir, &file));
     if (p->fsync)
         gp_file_sync(file);
@@ -250,7 +211,7 @@ static gp_status write_by_helper(const struct gp_log *log,
     GP_TRY(gp_oiio_write(log, &image, NULL, &pixels, target.ending, type,
                          is_tiff(t) ? tiff_compression(own.compression) : "",
                          &s));
-    GP_TRY(copy_stream(log, file, &s));
+    GP_TRY(gp_file_write(file, s.data, s.size));
     GP_TRY(gp_file_commit(&file));
 out:
     gp_stream_close(&s);

@@ -433,19 +433,20 @@ static void add_view(const char *view[GP_VIEWS_MAX], int *n, const char *name)
         view[(*n)++] = name;
 }
 
-int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
-                 const char *view[GP_VIEWS_MAX])
+gp_status gp_exr_views(const struct gp_log *log, const struct gp_read_params *p,
+                       const struct gp_input *in, struct gp_views *out)
 {
     struct gp_read_params q = *p;
     struct gp_exr_choice choice;
-    const char *inner[VIEWS], *first, *own;
-    int named = 0, n = 0;
+    const char *view[GP_VIEWS_MAX], *inner[VIEWS], *own;
+    int named = 0;
     // the view that is taken by itself
     q.view = NULL;
+    *out = (struct gp_views) {0};
     gp_status st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
     if (!st && views_of(in, choice.part, inner) > 0) {
         const exr_attr_chlist_t *const list = gp_exr_channels(in, choice.part);
-        first = inner[0];
+        const char *first = inner[0];
         for (int c = 0; c < 3; c++) {
             const int i = choice.colour.index[c];
             own = i < 0 ? NULL : gp_exr_view_of(in, choice.part,
@@ -461,8 +462,13 @@ int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
     for (int i = 0; i < named && st != GP_ERR_BUG; i++) {
         q.view = view[i];
         st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
-        if (!st) // it has the colour
-            view[n++] = view[i];
+        if (st) // it does not have the colour
+            continue;
+        out->name[out->n] = gp_strdup(view[i]);
+        st = out->name[out->n] ? GP_OK : GP_ERR_BUG;
+        out->n += !st;
     }
-    return st == GP_ERR_BUG ? -1 : n;
+    if (st == GP_ERR_BUG || out->n < 2)
+        gp_views_free(out);
+    return st == GP_ERR_BUG ? gp_no_memory_bare(log, "view list") : GP_OK;
 }

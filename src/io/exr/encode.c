@@ -147,20 +147,11 @@ enum { ZIP_LEVEL = 2 };
 
 static int chunk_rows(enum gp_compression compression)
 {
-    switch (compression) {
-    case GP_COMPRESSION_ZIP:
-    case GP_COMPRESSION_PXR24:
-        return 16;
-    case GP_COMPRESSION_PIZ:
-    case GP_COMPRESSION_B44:
-    case GP_COMPRESSION_B44A:
-    case GP_COMPRESSION_DWAA:
-        return 32;
-    case GP_COMPRESSION_DWAB:
-        return 256;
-    default:
-        return 1;
-    }
+    static const int rows[] = {
+        // from NONE to DWAB
+        1, 1, 1, 16, 32, 16, 32, 32, 32, 256,
+    };
+    return rows[compression];
 }
 
 int gp_exr_chunk_count(const struct gp_exr_image *img)

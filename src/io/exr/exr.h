@@ -91,13 +91,11 @@ const char *gp_exr_part_view(const struct gp_input *in, int part);
 size_t gp_exr_part_layer(const struct gp_input *in, int part,
                          const char **name);
 
-/* The views of a file that hold the colour which `p` asks for (p->view does not
- * count), by the names that the file gives them: first the view of the colour
- * that is taken without p->view, then in the order of the file. Returns how
- * many; 0 for a file without views, 1 for a file of one eye, -1 when memory is
- * full. */
-int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
-                 const char *view[GP_VIEWS_MAX]);
+/* gp_frame_views() of an EXR. */
+GP_MUST_CHECK gp_status gp_exr_views(const struct gp_log *log,
+                                     const struct gp_read_params *p,
+                                     const struct gp_input *in,
+                                     struct gp_views *out);
 
 /* The view, of several in its part, that a channel belongs to; NULL for the
  * default view and in parts of one. */

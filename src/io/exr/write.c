@@ -51,8 +51,8 @@ static int by_name(const void *a, const void *b)
 static gp_status make_room(const struct gp_log *log, int most, int frames,
                            struct part *out)
 {
-    // of a frame three names and the planes; or alpha and these
-    const gp_status st = gp_alloc_zero(log, "colours", 4 * (size_t) frames,
+    // of a frame three names, alpha and the planes
+    const gp_status st = gp_alloc_zero(log, "colours", 5 * (size_t) frames,
                                        sizeof *out->owned, &out->owned);
     return st ? st : gp_alloc(log, "channels", (size_t) most,
                               sizeof *out->img.source, &out->img.source);
@@ -147,34 +147,6 @@ static void add_plane(struct part *s, enum gp_pixel_type type,
         .name = name, .xs = 1, .ys = 1, .linear = linear,
         .columns = gp_frame_w(f), .plane = plane, .type = type,
     };
-}
-
-/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour. */
-static gp_status picture_sources(const struct gp_log *log,
-    const struct gp_write_params *p, struct gp_planes planes, struct part *out)
-{
-    static const char *const name[3] = {"B", "G", "R"}; // sorted, after A
-    const struct gp_frame *const f = out->f;
-    const int alpha = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
-    enum gp_pixel_type type;
-    gp_status st;
-    GP_TRY(make_room(log, 4, 1, out));
-    GP_TRY(fit_colour(log, p, f, &planes, &type, out));
-    if (alpha >= 0) {
-        const enum gp_pixel_type own =
-            f->channel[alpha].type == GP_HALF ? GP_HALF : GP_FLOAT;
-        float *a;
-        GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof *a, &a));
-        out->owned[out->n_owned++] = a;
-        gp_channel_floats(f, alpha, a);
-        add_plane(out, p->type == GP_OUT_AUTO   ? own
-                       : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT,
-                  "A", f, a, true);
-    }
-    for (int c = 0; c < 3; c++)
-        add_plane(out, type, name[c], f, planes.c[2 - c], false);
-out:
-    return st;
 }
 
 /* -- --hdr ---------------------------------------------------------------- */
@@ -508,24 +480,81 @@ out:
 
 /* -- pictures ------------------------------------------------------------- */
 
+/* Adds R, G and B of `planes`, as LAYER.R where `layer` is not NULL; else, with
+ * GP_ALPHA_KEEP, the A of the frame's colour too. */
+static gp_status add_layer(const struct writing *w, const char *layer,
+                           struct gp_planes planes, struct part *out)
+{
+    const struct gp_log *const log = w->log;
+    const struct gp_write_params *const p = w->p;
+    const struct gp_frame *const f = out->f;
+    const int alpha =
+        !layer && p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
+    const size_t room = layer ? strlen(layer) + 3 : 2;
+    enum gp_pixel_type type;
+    gp_status st;
+    GP_TRY(fit_colour(log, p, f, &planes, &type, out));
+    for (int c = 0; c < 3; c++) {
+        char *name;
+        GP_TRY(gp_alloc(log, "channels", room, 1, &name));
+        out->owned[out->n_owned++] = name;
+        snprintf(name, room, "%s%s%c", layer ? layer : "", layer ? "." : "",
+                 "RGB"[c]);
+        add_plane(out, type, name, f, planes.c[c], false);
+    }
+    if (alpha >= 0) {
+        const enum gp_pixel_type own =
+            f->channel[alpha].type == GP_HALF ? GP_HALF : GP_FLOAT;
+        float *a;
+        GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof *a, &a));
+        out->owned[out->n_owned++] = a;
+        gp_channel_floats(f, alpha, a);
+        add_plane(out,
+                  p->type == GP_OUT_AUTO   ? own
+                  : p->type == GP_OUT_HALF ? GP_HALF
+                                           : GP_FLOAT,
+                  "A", f, a, true);
+    }
+out:
+    return st;
+}
+
+/* Writes a file of one part, whose attributes w->kept says: n layers of those
+ * names, or (NULL) one picture. */
+static gp_status write_layers(struct writing *w, const struct gp_frame *f,
+                              const char *const *name,
+                              const struct gp_planes *planes, int n,
+                              struct gp_write_stats *stats)
+{
+    struct part part = {.f = f, .fit = &w->fit};
+    gp_status st;
+    w->in = gp_input_of(f);
+    w->part = &part;
+    w->parts = 1;
+    GP_TRY(make_room(w->log, 4 * n, n, &part));
+    for (int i = 0; i < n; i++)
+        GP_TRY(add_layer(w, name ? name[i] : NULL, planes[i], &part));
+    qsort(part.img.source, (size_t) part.img.sources, sizeof *part.img.source,
+          by_name);
+    st = write_file(w, stats);
+out:
+    free_part(&part);
+    return st;
+}
+
 gp_status gp_exr_write_picture(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats)
 {
-    struct part part = {.f = f};
     struct writing w = {
-        .log = log, .p = p, .path = path, .in = gp_input_of(f), .part = &part,
-        .parts = 1,
-        .kept = kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE
-                                         : GP_EXR_KEEP_SHOWN,
+        .log = log,
+        .p = p,
+        .path = path,
+        .kept =
+            kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE : GP_EXR_KEEP_SHOWN,
     };
-    part.fit = &w.fit;
-    gp_status st = picture_sources(log, p, *planes, &part);
-    if (!st)
-        st = write_file(&w, stats);
-    free_part(&part);
-    return st;
+    return write_layers(&w, f, NULL, planes, 1, stats);
 }
 
 gp_status gp_exr_write_parts(const struct gp_log *log,
@@ -534,38 +563,13 @@ gp_status gp_exr_write_parts(const struct gp_log *log,
                              const struct gp_planes *part, int n,
                              struct gp_write_stats *stats)
 {
-    struct part out = {.f = f};
     struct writing w = {
         .log = log,
         .p = p,
         .path = path,
-        .in = gp_input_of(f),
-        .part = &out,
-        .parts = 1,
         .kept = GP_EXR_KEEP_SCENE,
     };
-    gp_status st;
-    out.fit = &w.fit;
-    GP_TRY(make_room(log, 3 * n, n, &out));
-    for (int i = 0; i < n; i++) {
-        struct gp_planes planes = part[i];
-        enum gp_pixel_type type;
-        GP_TRY(fit_colour(log, p, f, &planes, &type, &out));
-        for (int c = 0; c < 3; c++) {
-            const size_t room = strlen(name[i]) + 3;
-            char *channel;
-            GP_TRY(gp_alloc(log, "channels", room, 1, &channel));
-            out.owned[out.n_owned++] = channel;
-            snprintf(channel, room, "%s.%c", name[i], "RGB"[c]);
-            add_plane(&out, type, channel, f, planes.c[c], false);
-        }
-    }
-    qsort(out.img.source, (size_t) out.img.sources, sizeof *out.img.source,
-          by_name);
-    st = write_file(&w, stats);
-out:
-    free_part(&out);
-    return st;
+    return write_layers(&w, f, name, part, n, stats);
 }
 
 /* -- --hdr: the frame as it came in, with glare --------------------------- */

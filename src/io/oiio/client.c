@@ -469,7 +469,7 @@ gp_status gp_oiio_write(const struct gp_log *log,
     };
     bool taken = false;
     struct stat s;
-    void *text = NULL;
+    void *text = NULL, *block = NULL;
     char *why = NULL;
     size_t room = strlen(image->colour_space) + 1 + (size_t) image->channels;
     if (image->chromaticities)
@@ -502,6 +502,14 @@ gp_status gp_oiio_write(const struct gp_log *log,
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote no bytes; write "
                        "another format", path));
     out->size = (uint64_t) s.st_size;
+    GP_TRY(gp_alloc(log, path, out->size, 1, &block));
+    const int64_t got = gp_stream_read(out, block, out->size, 0);
+    out->data = block;
+    if (got != s.st_size)
+        GP_TRY(gp_fail(log, GP_ERR_IO,
+                       "%s: cannot read the file in "
+                       "memory (%s); write .exr or .png",
+                       path, got < 0 ? strerror(errno) : "it is short"));
 out:
     if (taken)
         pthread_mutex_unlock(&lock);

@@ -37,20 +37,20 @@ static void floats_with_alpha(void **state)
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_frame f = wf_frame(data, display, wf_all);
     struct gp_picture pic;
-    float to[4][4];
-    struct gp_picture_row row = {.linear = {to[0], to[1], to[2], to[3]}};
+    float to[2][4][4];
+    const struct gp_samples samples = {.bytes = 4, .to = to};
     p.alpha = GP_ALPHA_KEEP;
     assert_ok(gp_picture_make(&kept_all, &p, "p", &f, &f.rgb, GP_PICTURE_SCENE,
                               &pic));
     assert_int_equal(pic.channels, 4);
+    memset(to, 0xff, sizeof to);
+    assert_ok(gp_picture_samples(&kept_all, &pic, &samples));
     for (int y = 0; y < 2; y++) {
-        memset(to, 0xff, sizeof to);
-        gp_picture_floats(&pic, y, &row);
         for (int c = 0; c < 4; c++) {
             const int number = c < 3 ? c : 0; // alpha is channel 0 of the list
-            assert_true(to[c][0] == 0.0f && to[c][3] == 0.0f);
+            assert_true(to[y][0][c] == 0.0f && to[y][3][c] == 0.0f);
             for (int x = 0; x < 2; x++)
-                assert_true(to[c][1 + x] == wf_value(number, x, y));
+                assert_true(to[y][1 + x][c] == wf_value(number, x, y));
         }
     }
     gp_picture_free(&pic);
