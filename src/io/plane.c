@@ -23,8 +23,11 @@ struct part {
     const char *layer;       // its name without its view, of `length` bytes
     size_t length;
     bool colour;             // it holds the frame's colour
+    bool inner;              // the channels' names in the colour's view, "" for
+                             // others; the part itself follows
     bool deep;
     bool mist;               // its Z is not depth
+    const char *by;          // a channel of the frame's colour, or NULL
     const struct gp_channel *channel;
     int channels;
 };
@@ -37,13 +40,7 @@ struct list {
     int parts;
     struct gp_channel *channel;  // names are borrowed
     int channels;                // of all parts
-    const char *colour;          // a channel of the frame's colour, or NULL
-    // where the colour's part has several views and that of the colour is not
-    // the first: its name, and the channels' names within it, "" for others
-    const char *view;
-    const char **bare;
-    struct gp_channel *seen;
-    const char *seen_colour;
+    const char **bare;           // names of an inner part; NULL: none
 };
 
 /* The result: a part of the list and a channel of it. Nothing when `part` is
@@ -57,7 +54,6 @@ static void free_list(struct list *list)
 {
     gp_free(list->part);
     gp_free(list->channel);
-    gp_free(list->seen);
     gp_free(list->bare);
 }
 
@@ -76,33 +72,37 @@ static bool other_view(const char *a, const char *b)
 }
 
 /* Lists the parts of an EXR as plane.h orders them; after those called depth
- * those in the layer around the colour's (B.Depth for B.Combined); deep last */
+ * those in the layer around the colour's (B.Depth for B.Combined); deep last. The
+ * colour is a channel of o->part, or NULL. */
 static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
-                          bool colour, bool depth, struct list *list)
+                          const char *colour, bool depth, struct list *list)
 {
     int channels = 0;
+    gp_status st;
+    const char *own = "", *layer;
+    const char *const view = colour ? gp_exr_view_of(o, o->part, colour) : NULL;
     list->in = o;
     for (int part = 0; part < o->parts; part++)
         channels += gp_exr_channels(o, part)->num_channels;
-    gp_status st = alloc_list(log, o->parts, channels, list);
-    if (st)
-        return st;
-    const char *own = "", *layer;
+    GP_TRY(alloc_list(log, o->parts + 1, 2 * channels, list));
+    if (view)
+        GP_TRY(gp_exr_names_in(log, o, o->part, view, &list->bare));
     const size_t bytes = colour ? gp_exr_part_layer(o, o->part, &own) : 0;
     const size_t n = gp_last_part(own, bytes);
     for (int order = -1; order < 16; order++) { // the colour's part first
         for (int part = 0; part < o->parts; part++) {
             const exr_attr_chlist_t *const from = gp_exr_channels(o, part);
             const size_t length = gp_exr_part_layer(o, part, &layer);
-            struct gp_channel *const channel = list->channel + list->channels;
-            const struct part to = {
-                .number = part, .name = gp_exr_part_name(o, part),
+            struct part to = {
+                .number = part,
+                .name = gp_exr_part_name(o, part),
                 .view = gp_exr_part_view(o, part),
-                .layer = layer, .length = length,
+                .layer = layer,
+                .length = length,
                 .colour = colour && part == o->part,
                 .deep = gp_exr_is_deep(o, part),
                 .mist = gp_is_mist(layer, length),
-                .channel = channel, .channels = from->num_channels,
+                .channels = from->num_channels,
             };
             const bool other = colour && other_view(to.view,
                 gp_exr_part_view(o, o->part));
@@ -113,32 +113,23 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
             if ((to.colour ? -1 : 8 * to.deep + 4 * other + 2 * plain + far) !=
                 order)
                 continue;
-            for (int i = 0; i < to.channels; i++)
-                channel[i].name =
-                    (char *) (uintptr_t) from->entries[i].name.str;
-            list->part[list->parts++] = to;
-            list->channels += to.channels;
+            for (int inner = to.colour && view; inner >= 0; inner--) {
+                struct gp_channel *const channel =
+                    list->channel + list->channels;
+                to.channel = channel;
+                to.inner = inner;
+                to.by = colour;
+                for (int i = 0; i < to.channels; i++) {
+                    const char *const name = from->entries[i].name.str;
+                    channel[i].name =
+                        (char *) (uintptr_t) (inner ? list->bare[i] : name);
+                    if (inner && colour && strcmp(name, colour) == 0)
+                        to.by = list->bare[i];
+                }
+                list->part[list->parts++] = to;
+                list->channels += to.channels;
+            }
         }
-    }
-    return GP_OK;
-}
-
-/* Names the channels of the colour's part within its view. */
-static gp_status list_view(const struct gp_log *log, struct list *list)
-{
-    gp_status st;
-    const struct part *const first = list->part;
-    list->view = gp_exr_view_of(list->in, first->number, list->colour);
-    if (!list->view)
-        return GP_OK;
-    GP_TRY(gp_exr_names_in(log, list->in, first->number, list->view,
-                           &list->bare));
-    GP_TRY(gp_alloc_zero(log, "channels", (size_t) first->channels,
-                         sizeof *list->seen, &list->seen));
-    for (int i = 0; i < first->channels; i++) {
-        list->seen[i].name = (char *) (uintptr_t) list->bare[i];
-        if (strcmp(first->channel[i].name, list->colour) == 0)
-            list->seen_colour = list->bare[i];
     }
 out:
     return st;
@@ -149,15 +140,16 @@ static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
                             bool depth, struct list *list)
 {
     gp_status st;
-    *list = (struct list) {.path = f->path, .colour = gp_frame_colour(f)};
+    *list = (struct list) {.path = f->path};
     if (gp_input_of(f)) {
-        GP_TRY(list_exr(log, gp_input_of(f), true, depth, list));
-        if (list->colour)
-            GP_TRY(list_view(log, list));
+        GP_TRY(list_exr(log, gp_input_of(f), gp_frame_colour(f), depth, list));
     } else {
         GP_TRY(alloc_list(log, 1, 0, list));
         list->part[list->parts++] = (struct part) {
-            .colour = true, .channel = f->channel, .channels = f->channels,
+            .colour = true,
+            .by = gp_frame_colour(f),
+            .channel = f->channel,
+            .channels = f->channels,
         };
         list->channels = f->channels;
     }
@@ -174,8 +166,8 @@ static bool find_exact(const struct list *list, const char *name,
     for (int p = 0; p < list->parts; p++) {
         const struct part *part = &list->part[p];
         const size_t n = in_part && part->name ? strlen(part->name) : 0;
-        if (in_part && (n == 0 || strncmp(name, part->name, n) != 0 ||
-                        name[n] != '.'))
+        if (in_part && (part->inner || n == 0 ||
+                        strncmp(name, part->name, n) != 0 || name[n] != '.'))
             continue;
         const char *const channel = name + (in_part ? n + 1 : 0);
         for (int i = 0; i < part->channels; i++) {
@@ -188,19 +180,6 @@ static bool find_exact(const struct list *list, const char *name,
     return false;
 }
 
-/* The channel in the view that is looked for: left.A for A. */
-static bool find_in_view(const struct list *list, const char *name,
-                         struct place *out)
-{
-    for (int i = 0; list->bare && i < list->part->channels; i++) {
-        if (strcmp(list->bare[i], name) == 0) {
-            *out = (struct place) {list->part, i};
-            return true;
-        }
-    }
-    return false;
-}
-
 static void list_names(const struct list *list,
                        char to[GP_CHANNEL_LIST])
 {
@@ -208,7 +187,7 @@ static void list_names(const struct list *list,
     for (int p = 0; p < list->parts; p++) {
         const struct part *part = &list->part[p];
         const bool plain = part->colour || list->parts == 1;
-        for (int i = 0; i < part->channels; i++) {
+        for (int i = 0; i < part->channels && !part->inner; i++) {
             if (!gp_channel_list_add(to, plain ? NULL : part->name,
                                      part->channel[i].name))
                 return;
@@ -223,16 +202,13 @@ static gp_status search_depth(const struct gp_log *log, const struct list *list,
 {
     gp_status st = GP_OK;
     int i = -1;
-    // of several views in the colour's part its own comes first
-    for (int p = list->view ? -1 : 0; p < list->parts && !st && i < 0; p++) {
-        const struct part *const part = &list->part[p < 0 ? 0 : p];
+    for (int p = 0; p < list->parts && !st && i < 0; p++) {
+        const struct part *const part = &list->part[p];
         if (!part->mist)
-            st = gp_find_depth(log, list->path,
-                p < 0 ? list->seen : part->channel, part->channels,
-                p < 0 ? list->seen_colour : list->colour, &i);
-        if (i < 0)
-            continue;
-        *out = (struct place) {part, i};
+            st = gp_find_depth(log, list->path, part->channel, part->channels,
+                               part->by, &i);
+        if (i >= 0)
+            *out = (struct place) {part, i};
     }
     return st;
 }
@@ -242,7 +218,7 @@ static void full_name(const struct list *list,
                       const struct part *part, const char *channel,
                       char to[FULL])
 {
-    const bool named = list->parts > 1 && part->name;
+    const bool named = part->name && list->parts > 1 + list->part->inner;
     snprintf(to, FULL, "%s%s%s", named ? part->name : "",
              named ? "." : "", channel);
 }
@@ -254,14 +230,15 @@ static bool of_other_layer(const struct list *list,
 {
     char depth[FULL], colour[sizeof depth];
     full_name(list, at->part, at->part->channel[at->channel].name, depth);
-    full_name(list, list->part, list->colour ? list->colour : "", colour);
+    const struct part *const first = list->part + list->part->inner;
+    full_name(list, first, first->by ? first->by : "", colour);
     const char *const word = strcasestr(depth, "depth");
     const size_t last = gp_last_part(depth, strlen(depth));
     const size_t n = word   ? gp_last_part(depth, (size_t) (word - depth))
                      : last ? gp_last_part(depth, last - 1) : 0;
     const size_t own = gp_last_part(colour, strlen(colour));
-    const bool in_view = !list->view || at->part != list->part ||
-                         list->bare[at->channel][0];
+    const bool in_view =
+        !list->bare || at->part != first || list->bare[at->channel][0];
     return !in_view || (n > 0 && own > 0 && gp_last_part(colour, own - 1) > 0 &&
                         strncmp(colour, depth, n) != 0);
 }
@@ -298,10 +275,11 @@ static gp_status pick(const struct gp_log *log, const struct list *list,
     char names[GP_CHANNEL_LIST];
     list_names(list, names);
     if (name) {
-        if (find_in_view(list, name, out) ||
-            find_exact(list, name, false, out) ||
-            find_exact(list, name, true, out))
+        if (find_exact(list, name, false, out) ||
+            find_exact(list, name, true, out)) {
+            out->part += out->part->inner;
             return GP_OK;
+        }
         return gp_fail(log, GP_ERR_USAGE, "%s: has no channel %s (it has %s)%s",
                        list->path, name, names,
                        kind == MASK
@@ -310,7 +288,7 @@ static gp_status pick(const struct gp_log *log, const struct list *list,
     }
     if (depth)
         GP_TRY(search_depth(log, list, &at));
-    else if (!find_in_view(list, "A", &at))
+    else
         find_exact(list, "A", false, &at);
     if (!at.part && own_file)
         search_lone(list, depth, &at);
@@ -326,6 +304,8 @@ static gp_status pick(const struct gp_log *log, const struct list *list,
                            : "%s: has neither alpha nor a single channel "
                              "(it has %s); name one with --mask",
                        list->path, names);
+    if (at.part)
+        at.part += at.part->inner;
     // warns of what the user of a frame may not expect
     if (at.part && !own_file && at.part->deep) {
         gp_say(log, GP_LEVEL_WARN,
@@ -485,7 +465,7 @@ static gp_status read_file(const struct gp_log *log,
     struct gp_plane plane = {0};
     GP_TRY(gp_stored_open(log, p, path, &file));
     if (file.input) {
-        GP_TRY(list_exr(log, file.input, false, kind == DEPTH, &list));
+        GP_TRY(list_exr(log, file.input, NULL, kind == DEPTH, &list));
     } else {
         GP_TRY(alloc_list(log, 1, image->channels, &list));
         for (; list.channels < image->channels; list.channels++)
@@ -613,17 +593,15 @@ static void name_part(const struct list *list, const struct part *part,
                       struct names *out)
 {
     const struct part *const first = list->part;
-    const char *const colour = list->view ? list->seen_colour : list->colour;
-    *out = (struct names) {.n = part->channels, .channel = part->channel};
     struct names of = {.part = first->layer, .part_len = (int) first->length};
+    *out = (struct names) {.n = part->channels, .channel = part->channel};
     if (!part->colour) {
         out->part = part->layer;
         out->part_len = (int) part->length;
     } else {
         of.part_len = 0;
-        out->channel = list->view ? list->seen : part->channel;
     }
-    within_part(&of, colour ? colour : "", out->colour);
+    within_part(&of, first->by ? first->by : "", out->colour);
 }
 
 /* Warns of a choice between equals, and of a layer that is not the colour's. */
@@ -660,8 +638,9 @@ gp_status gp_read_vectors(const struct gp_log *log,
     GP_TRY(list_frame(log, f, false, &list));
     for (int i = 0; i < list.parts && !found && !st; i++) {
         const struct part *const part = &list.part[i];
-        if (part->deep || (part->view && list.part->view &&
-                           strcmp(part->view, list.part->view) != 0))
+        if (part->deep || (i > 0 && part[-1].inner) ||
+            (part->view && list.part->view &&
+             strcmp(part->view, list.part->view) != 0))
             continue;
         struct names names;
         struct three three = {.second = -1};
@@ -670,7 +649,7 @@ gp_status gp_read_vectors(const struct gp_log *log,
         if (found)
             warn_of_choice(log, f->path, &names, &three, wanted->what);
         for (int c = 0; c < 3 && found && !st; c++) {
-            const struct place at = {part, three.index[c]};
+            const struct place at = {part + part->inner, three.index[c]};
             st = make_name(log, &list, &at, &plane[c]);
             if (!st)
                 st = read_samples(log, p, f, &at, &plane[c]);

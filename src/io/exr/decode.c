@@ -189,6 +189,63 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
     *chunks = (struct gp_exr_chunks) {0};
 }
 
+/* -- ZIP, ZIPS and RLE ---------------------------------------------------- */
+
+/* Expands EXR's run lengths to exactly `out_size` bytes, or returns false. */
+static bool expand_runs(const uint8_t *in, size_t in_size, uint8_t *out,
+                        size_t out_size)
+{
+    const uint8_t *const in_end = in + in_size;
+    uint8_t *const out_end = out + out_size;
+    while (in < in_end) {
+        // NOLINTNEXTLINE(*-signed-char-misuse,cert-str34-c): below 0 is a copy
+        int code = (int8_t) *in++;
+        size_t count = (size_t) (code < 0 ? -code : code + 1);
+        size_t taken = code < 0 ? count : 1;
+        if (taken > (size_t) (in_end - in) || count > (size_t) (out_end - out))
+            return false;
+        if (code < 0)
+            memcpy(out, in, count);
+        else
+            memset(out, *in, count);
+        in += taken;
+        out += count;
+    }
+    return out == out_end;
+}
+
+/* Undoes the filter of ZIP, ZIPS and RLE: all bytes at even places come first,
+ * then those at odd places, each as the difference to the one before, plus 128
+ * (ImfZip.cpp). */
+static void undo_filter(const uint8_t *restrict in, uint8_t *restrict out,
+                        size_t n)
+{
+    const size_t half = n / 2;
+    uint8_t even = 128, odd = 128; // the first byte is stored without the bias
+    for (size_t i = 0; i < half; i++)
+        odd = (uint8_t) (odd + in[i] - 128);
+    for (size_t i = 0; i < half; i++) {
+        even = (uint8_t) (even + in[i] - 128);
+        odd = (uint8_t) (odd + in[half + i] - 128);
+        out[2 * i] = even;
+        out[2 * i + 1] = odd;
+    }
+}
+
+/* Expands `size` bytes to exactly `n`, even; false when they give more or
+ * less. */
+static bool unzip(struct libdeflate_decompressor *d, bool rle,
+                  const uint8_t *packed, size_t size, uint8_t *scratch,
+                  uint8_t *out, size_t n)
+{
+    // without a place for the size, another one than n is a failure
+    if (rle ? !expand_runs(packed, size, scratch, n)
+            : libdeflate_zlib_decompress(d, packed, size, scratch, n, NULL))
+        return false;
+    undo_filter(scratch, out, n);
+    return true;
+}
+
 /* -- one chunk ------------------------------------------------------------ */
 
 /* State of one thread. */
@@ -252,9 +309,8 @@ static exr_result_t decompress(exr_decode_pipeline_t *pipe)
     if (in == out && how >= EXR_COMPRESSION_B44) // both are one buffer
         return EXR_ERR_SUCCESS;
     if (in != out && w->inflate &&
-        gp_exr_unzip(w->inflate, how == EXR_COMPRESSION_RLE,
-                     pipe->packed_buffer, in, w->scratch, pipe->unpacked_buffer,
-                     out))
+        unzip(w->inflate, how == EXR_COMPRESSION_RLE, pipe->packed_buffer, in,
+              w->scratch, pipe->unpacked_buffer, out))
         return EXR_ERR_SUCCESS;
     return w->library_decompress(pipe);
 }
@@ -423,8 +479,8 @@ static gp_status read_bytes(struct deep *d, int chunk, uint64_t from,
                           packed, from) != (int64_t) packed)
         return damaged(d->log, l, chunk, "it cannot be read");
     if (!stored &&
-        !gp_exr_unzip(d->inflate, l->compression == EXR_COMPRESSION_RLE,
-                      from_file, packed, from_file + d->room, d->bytes, size))
+        !unzip(d->inflate, l->compression == EXR_COMPRESSION_RLE, from_file,
+               packed, from_file + d->room, d->bytes, size))
         return damaged(d->log, l, chunk, "it does not expand to its size");
     return GP_OK;
 out:

@@ -2,9 +2,8 @@
 /* io/exr: EXR files in and out, by OpenEXRCore.
  *
  * In: open.c (checks the bytes of the header before the library sees them),
- * choose.c (which part and channels are the frame), read.c, and decode.c with
- * zip.c. Out: write.c (parts and channels), header.c, and encode.c with zip.c
- * (tables and chunks). */
+ * choose.c (which part and channels are the frame), read.c and decode.c. Out:
+ * write.c (parts and channels), header.c and encode.c (tables and chunks). */
 #ifndef GP_IO_EXR_EXR_H
 #define GP_IO_EXR_EXR_H
 

@@ -163,25 +163,6 @@ void gp_yc_weights(const float chromaticities[8], float weight[3]);
 GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
     const struct gp_yc *in, struct gp_planes *out);
 
-/* -- ZIP, ZIPS and RLE (zip.c) ---------------------------------------------
- *
- * Such a chunk holds all bytes at even places, then all bytes at odd places,
- * each byte as the difference to the one before, plus 128 (ImfZip.cpp). */
-
-struct libdeflate_compressor;
-struct libdeflate_decompressor;
-
-/* Compresses the `n` bytes of a chunk; `n` is even, scratch and out have that
- * room. Returns the compressed size, n where it does not shrink. */
-size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
-                  size_t n, uint8_t *scratch, uint8_t *out);
-
-/* Expands `size` bytes to exactly `n`, even; false when they give more or
- * less. */
-bool gp_exr_unzip(struct libdeflate_decompressor *d, bool rle,
-                  const uint8_t *packed, size_t size, uint8_t *scratch,
-                  uint8_t *out, size_t n);
-
 /* -- pixels to the chunks of a scanline part (encode.c) ------------------- */
 
 /* One channel of the part: samples of its grid (frame.h), either a colour
