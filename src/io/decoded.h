@@ -36,12 +36,8 @@ void gp_decoded_close(struct gp_decoded *image);
 void gp_decoded_channel(const struct gp_decoded *image, int channel,
                         float *to);
 
-/* Makes a frame from a picture, which stays the caller's. Chooses colour and
- * makes it linear as io/read.h says.
- *
- *   layer  as in gp_read_params
- *   out    written only on GP_OK
- *
+/* Makes a frame from a picture, which stays the caller's. Chooses colour, by
+ * `layer` as in gp_read_params, and makes it linear as io/read.h says.
  * Errors: GP_ERR_USAGE no such layer. */
 GP_MUST_CHECK gp_status gp_decoded_frame(const struct gp_log *log,
     const char *layer, const struct gp_decoded *image, struct gp_frame *out);

@@ -23,11 +23,10 @@ enum {
     PATIENCE = 1, // seconds that a signal waits for a file system that hangs
     TRIES = 1000, // names of one target and one process number
     NAME_BYTES = 255, // of one path component, on all usual systems
+    LINKS = 40,       // as many as the system follows
 };
 
 // -- names --------------------------------------------------------------------
-
-enum { LINKS = 40 }; // as many as the system follows
 
 /* Returns where the last component starts. */
 static const char *base_of(const char *path)
@@ -143,24 +142,20 @@ char *gp_file_resolve(const char *path)
 static int make_folders(const char *path)
 {
     struct stat s;
-    char *folder = folder_of(path);
+    char *const folder = folder_of(path), *at = folder;
     int error = folder ? 0 : ENOMEM;
-    for (char *p = folder + 1; error == 0; p++) {
-        const char keep = *p;
-        if (keep != '/' && keep != '\0')
-            continue;
-        *p = '\0';
+    while (!error && *at) {
+        at += 1 + strcspn(at + 1, "/");
+        const char keep = *at;
+        *at = '\0';
         // errno of mkdir(), not of stat(), is the reason
         error = mkdir(folder, 0777) ? errno : 0;
         if (error && stat(folder, &s) == 0 && S_ISDIR(s.st_mode))
             error = 0;
-        *p = keep;
-        if (keep == '\0')
-            break;
+        *at = keep;
     }
     gp_free(folder);
-    if (error)
-        errno = error;
+    errno = error;
     return error ? -1 : 0;
 }
 
@@ -500,21 +495,32 @@ static gp_status write_failed(struct gp_file *f, int error)
     return f->st;
 }
 
-/* Puts bytes at a place of the file, or of the memory that holds them. */
-static gp_status put(struct gp_file *f, uint64_t at, const void *data,
-                     size_t size)
+/* Writes bytes at a place of the file, of straight targets where these are. */
+static gp_status write_bytes(struct gp_file *f, uint64_t at, const void *data,
+                             uint64_t size)
 {
-    if (!f->temp.name && size)
-        memcpy((uint8_t *) f->held + at, data, size);
-    for (size_t done = 0; f->temp.name && done < size;) {
-        const ssize_t n = pwrite(f->fd, (const uint8_t *) data + done,
-                                 size - done, (off_t) (at + done));
+    for (uint64_t done = 0; done < size;) {
+        const uint8_t *const from = (const uint8_t *) data + done;
+        const ssize_t n =
+            f->temp.name ? pwrite(f->fd, from, size - done, (off_t) (at + done))
+                         : write(f->fd, from, size - done);
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
             return write_failed(f, n < 0 ? errno : EIO);
-        done += (size_t) n;
+        done += (uint64_t) n;
     }
+    return GP_OK;
+}
+
+/* Puts bytes at a place of the file, or of the memory that holds them. */
+static gp_status put(struct gp_file *f, uint64_t at, const void *data,
+                     size_t size)
+{
+    if (f->temp.name)
+        return write_bytes(f, at, data, size);
+    if (size)
+        memcpy((uint8_t *) f->held + at, data, size);
     return GP_OK;
 }
 
@@ -554,21 +560,6 @@ const char *gp_file_path(const struct gp_file *f)
 
 // -- ending -------------------------------------------------------------------
 
-/* Writes what is held for a straight target. */
-static gp_status write_held(struct gp_file *f)
-{
-    for (uint64_t done = 0; f->held && done < f->size;) {
-        const ssize_t n = write(f->fd, (const uint8_t *) f->held + done,
-                                f->size - done);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return write_failed(f, n < 0 ? errno : EIO);
-        done += (uint64_t) n;
-    }
-    return GP_OK;
-}
-
 /* Writes the new name through. Some file systems cannot (EINVAL). */
 static gp_status sync_folder(struct gp_file *f)
 {
@@ -589,7 +580,9 @@ void gp_file_sync(struct gp_file *f)
 gp_status gp_file_commit(struct gp_file **file)
 {
     struct gp_file *f = *file;
-    gp_status st = f->st ? f->st : write_held(f);
+    gp_status st = f->st;
+    if (!st && f->held)
+        st = write_bytes(f, 0, f->held, f->size);
     if (!st && f->sync && f->target && fsync(f->fd))
         st = write_failed(f, errno);
     const int fd = f->fd;

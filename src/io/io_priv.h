@@ -40,12 +40,8 @@ struct gp_reader {
 };
 extern const struct gp_reader gp_readers[]; // EXR first; ends with {0}
 
-/* Opens `path` or stdin, checks its first bytes and reads a pipe to its end:
- * of 16 bytes for each of max_pixels, and 64 MiB, at most.
- *
- *   stream  empty on failure; else the caller's to close
- *   exr     written on GP_OK: true for EXR
- *
+/* Opens `path` or stdin, checks its first bytes and reads a pipe to its end, at
+ * most 16 bytes for each of max_pixels and 64 MiB. `stream` is empty on failure.
  * Errors: those of gp_stream_open() and gp_stream_fill(); GP_ERR_DATA no format
  * that is read, or none of EXR under the name of one. */
 GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
@@ -60,8 +56,7 @@ GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
     const struct gp_stream *stream, int part, struct gp_decoded *out);
 
-/* gp_read_frame() for an open stream, from its first bytes on; takes the
- * stream over: it is closed, or lives on in the frame. */
+/* gp_read_frame() for an open stream, which it takes over. */
 GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stream *stream,
     struct gp_frame *out);

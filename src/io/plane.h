@@ -63,11 +63,8 @@ GP_MUST_CHECK gp_status gp_read_vectors(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f,
     const struct gp_layer_names *wanted, struct gp_plane out[3]);
 
-/* Finds that depth without reading it, to report it.
- *
- *   channel  its name in the form that `name` takes, gp_free() it; NULL when
- *            searching finds none
- *   type     its samples in the file; written with a channel */
+/* Finds that depth without reading it: its name in the form that `name` takes,
+ * gp_free() it, or NULL when searching finds none; and the type of its samples. */
 GP_MUST_CHECK gp_status gp_name_depth(const struct gp_log *log,
     const struct gp_frame *f, const char *name, char **channel,
     enum gp_pixel_type *type);

@@ -383,13 +383,13 @@ struct tags {
 static struct tags tags_of(const struct gp_write_params *p,
                            const struct gp_frame *f, enum gp_picture_kind kind)
 {
-    const float *const c = f->chromaticities;
-    const bool encoded = kind == GP_PICTURE_ENCODED;
     struct tags t = {
         .scene = kind == GP_PICTURE_SCENE,
-        .cicp = {encoded ? p->cicp[0] : 1, encoded ? p->cicp[1] : 13, 0, 1},
+        .cicp = {1, 13, 0, 1},
     };
-    if (t.scene && memcmp(c, gp_rec709_chromaticities,
+    if (kind == GP_PICTURE_ENCODED)
+        memcpy(t.cicp, p->cicp, sizeof p->cicp);
+    if (t.scene && memcmp(f->chromaticities, gp_rec709_chromaticities,
                           sizeof f->chromaticities) != 0)
         t.cicp[0] = 0;
     t.srgb = t.cicp[0] == 1 && t.cicp[1] == 13;

@@ -54,18 +54,12 @@ static size_t percent_token(const char *s, int *digits)
 {
     if (s[0] != '%')
         return 0;
-    size_t n = 1;
-    int width = 0;
-    if (s[n] == '0') {
-        for (n++; is_digit(s[n]); n++) {
-            if (width < 1000) // large enough to be refused, cannot overflow
-                width = 10 * width + (s[n] - '0');
-        }
-        if (width == 0)
-            return 0;
-    }
-    *digits = width ? width : 1;
-    return s[n] == 'd' ? n + 1 : 0;
+    const size_t n = 1 + strspn(s + 1, "0123456789");
+    const long width = n > 1 ? strtol(s + 1, NULL, 10) : 1;
+    if (s[n] != 'd' || (n > 1 && s[1] != '0') || width == 0)
+        return 0;
+    *digits = width < 1000 ? (int) width : 1000; // which is refused
+    return n + 1;
 }
 
 gp_status gp_pattern_find(const struct gp_log *log, const char *path,
@@ -351,9 +345,7 @@ bool gp_frame_number(const char *path, int *out)
         at--;
     if (at == end || end - at > GP_FRAME_DIGITS)
         return false;
-    *out = 0;
-    for (size_t i = at; i < end; i++)
-        *out = 10 * *out + (name[i] - '0');
+    *out = (int) strtol(name + at, NULL, 10);
     return true;
 }
 

@@ -20,26 +20,21 @@
 
 /* -- an open file --------------------------------------------------------- */
 
-/* The EXR that a frame came from, for the writer: gp_frame.input.
- *
- * It stays open for reading: gp_write_hdr() reads attributes, other parts and
- * their raw chunks only when it needs them. */
+/* The EXR that a frame came from: gp_frame.input. It stays open: gp_write_hdr()
+ * reads other parts and their raw chunks when it needs them. */
 struct gp_input {
-    /* Open for reading with the whole header parsed. Safe to read from many
-     * threads at once. Its errors are return values only; nothing is
-     * printed. */
-    exr_context_t exr;
+    exr_context_t exr; // whole header parsed; many threads may read, errors are
+                       // return values only
     struct gp_stream stream; // the bytes of exr
     int part, parts;         // colour part and number of parts
-    /* Bytes from the magic number to the end of the last chunk, by the offset
-     * tables of all parts; 0 when the tables are incomplete (a writer that was
-     * stopped, damage). At most stream.size. */
-    uint64_t end;
+    uint64_t
+        end; // of the last chunk, by the offset tables of all parts, at most
+             // stream.size; 0 when the tables are incomplete
     struct gp_exr_index *index; // places of attributes and offset tables
     char reason[256]; // the library's last message about a bad header
 };
 
-/* The input of a frame, or NULL for one that came from no EXR. */
+/* NULL for a frame that came from no EXR. */
 static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
 {
     return f->input;
@@ -47,16 +42,11 @@ static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
 
 /* Parses the header of an EXR.
  *
- *   path    for messages
- *   stream  the whole file; taken over: *stream is empty afterwards, also on
- *           failure
- *   out     written only on GP_OK; goes to gp_frame.input, with
- *           gp_input_free() as gp_frame.input_free
+ *   stream  the whole file; taken over: empty afterwards, also on failure
+ *   out     written only on GP_OK; its `part` is 0, the reader sets it
  *
- * `part` of the result is 0; the reader sets it.
  * Errors: GP_ERR_DATA the header is damaged, or the file is truncated before
- * its last chunk ends, of any part or level; GP_ERR_IO a read
- * failed */
+ * its last chunk ends, of any part or level; GP_ERR_IO a read failed */
 GP_MUST_CHECK gp_status gp_exr_open(const struct gp_log *log, const char *path,
     struct gp_stream *stream, struct gp_input **out);
 
@@ -102,8 +92,8 @@ const char *gp_exr_view_of(const struct gp_input *in, int part,
                            const char *name);
 
 /* Names of all channels of a part in the file's order, as they are called in a
- * view, "" for those of others; with `view` NULL their own. Lives no longer
- * than `in`; free with gp_free(). */
+ * view, "" for those of others; with `view` NULL their own. gp_free() before
+ * `in`. */
 GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
     const struct gp_input *in, int part, const char *view, const char ***out);
 
@@ -134,28 +124,22 @@ struct gp_exr_chunks {
     size_t largest;                   // unpacked bytes of the largest chunk
 };
 
-/* The destination of the samples of one channel: w/xs * h/ys of them, rows
- * without padding. Not wanted when `to` is NULL. */
+/* Where w/xs * h/ys samples of a channel go; not wanted when `to` is NULL. */
 struct gp_exr_sink {
     void *to;
     bool as_float; // convert; else the file's own type
 };
 
 /* Finds every chunk of level 0 and checks that it is in the file and can expand
- * to its pixels. Allocates only the list of chunks, which the offset table in
- * the file bounds.
- *
- *   out  written always; free with gp_exr_chunks_free()
- *
+ * to its pixels. `out` is written always; free with gp_exr_chunks_free().
  * Errors: GP_ERR_DATA deep data, more than max_pixels, truncated or damaged. */
 GP_MUST_CHECK gp_status gp_exr_chunks_find(const struct gp_log *log,
     const char *path, const struct gp_input *in, int part, long long max_pixels,
     struct gp_exr_chunks *out);
 void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
 
-/* Decodes all chunks, in parallel and straight to the sinks: by OpenEXRCore,
- * DWAA and DWAB by OpenImageIO. `sink` has one entry a channel, in file order.
- * The samples are whole only on GP_OK.
+/* Decodes all chunks, in parallel: by OpenEXRCore, DWAA and DWAB by OpenImageIO.
+ * `sink` has one entry a channel, in file order.
  * Errors: GP_ERR_DATA a chunk is damaged (the first one is named);
  * GP_ERR_IO no OpenImageIO */
 GP_MUST_CHECK gp_status gp_exr_decode(const struct gp_log *log,
@@ -175,23 +159,19 @@ struct gp_exr_deep {
     void **sample;  // of each channel, in file order: floats, of UINT uint32_t
 };
 
-/* Reads a deep part, scanlines or tiles (of these level 0).
- *   max_pixels  most pixels, and most samples of a channel
- *   out         written always; free with gp_exr_deep_free()
- * Errors: GP_ERR_DATA over max_pixels, truncated or damaged; GP_ERR_IO cannot
- * read */
+/* Reads level 0 of a deep part; most pixels, and samples of a channel, are
+ * max_pixels. `out` is written always; free with gp_exr_deep_free().
+ * Errors: GP_ERR_DATA over max_pixels, truncated or damaged; GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_exr_deep_read(const struct gp_log *log,
     const char *path, const struct gp_input *in, int part, long long max_pixels,
     struct gp_exr_deep *out);
 void gp_exr_deep_free(struct gp_exr_deep *deep);
 
-/* The windows, pixel aspect ratio, primaries and number of the part, as the
- * header has them, into `f`. */
+/* Sets f's windows, pixel aspect ratio, primaries and part by the header. */
 void gp_exr_frame_header(const struct gp_exr_chunks *chunks,
                          struct gp_frame *f);
 
-/* gp_read_frame() for a stream that begins as an EXR; takes the stream over,
- * also on failure. Contract and errors as there. */
+/* gp_read_frame() for an EXR; takes the stream over, also on failure. */
 GP_MUST_CHECK gp_status gp_read_exr(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stream *stream,
     struct gp_frame *out);

@@ -17,28 +17,22 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
  * some of them goes on without an attribute. So it allocates and reads through
  * these functions, which keep failures, for each thread. */
 
-/* For alloc_fn of a context: malloc(). */
+/* malloc(), for alloc_fn of a context, and gp_stream_read(). */
 void *gp_exr_allocate(size_t size);
-
-/* gp_stream_read(). */
 int64_t gp_exr_read_bytes(const struct gp_stream *s, void *to, uint64_t n,
                           uint64_t offset);
 
-/* Clears this thread's failures; call it before the library. */
+/* Clears this thread's failures; call it before the library. Afterwards: GP_OK,
+ * GP_ERR_BUG memory was full, GP_ERR_IO a read failed. */
 void gp_exr_fault_clear(void);
-
-/* Returns this thread's failure since: GP_OK, GP_ERR_BUG memory was full,
- * GP_ERR_IO a read failed. */
 gp_status gp_exr_fault(void);
 
-/* True when a read on this thread since got fewer bytes than it asked for.
- * Headers, which are read in blocks, may. Of an uncompressed chunk of a file
- * that was truncated after it was opened, OpenEXRCore 3.1.5 makes the rest
- * black and reports nothing. */
+/* True when a read since got fewer bytes than it asked for, as those of headers
+ * may. Of an uncompressed chunk of a file that was truncated after it was
+ * opened, OpenEXRCore 3.1.5 makes the rest black and reports nothing. */
 bool gp_exr_fault_short(void);
 
-/* Prints the line for `fault`, GP_ERR_BUG or GP_ERR_IO, with this thread's
- * reason when it has one, and returns it. */
+/* Prints the line for `fault`, with this thread's reason, and returns it. */
 gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
                              gp_status fault);
 
@@ -91,8 +85,7 @@ enum {
 
 /* -- chunks as bytes (open.c) --------------------------------------------- */
 
-/* Reads `n` entries of a part's offset table, from `first` on. False when
- * they are not all there. */
+/* Reads `n` entries of a part's offset table; false: they are not all there. */
 bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
                          uint64_t *offset);
 
@@ -216,15 +209,12 @@ enum gp_exr_kept {
 void gp_exr_out_begin(struct gp_exr_out *out, const struct gp_log *log,
                       struct gp_file *file, uint32_t flags);
 
-/* One attribute; names and types over 31 bytes set GP_EXR_LONG_NAMES. Bytes as
- * they are: another part's header. */
+/* One attribute, or bytes as they are: another part's header. */
 void gp_exr_put(struct gp_exr_out *out, const char *name, const char *type,
                 const void *data, size_t size);
 void gp_exr_put_raw(struct gp_exr_out *out, const void *bytes, size_t size);
 
-/* All attributes of the scanline part that holds the colour, and its end:
- * those that the file layout requires from `f` and `img`, those of the input
- * that `kept` lets through, and glarepp's version and command.
+/* All attributes of the scanline part that holds the colour, and its end.
  *
  *   own     of the input; NULL when that was not EXR
  *   p       command and, when GP_EXR_KEEP_CONVERTED, primaries are used
@@ -238,17 +228,15 @@ void gp_exr_put_part(struct gp_exr_out *out, const struct gp_frame *f,
 GP_MUST_CHECK gp_status gp_exr_out_tables(struct gp_exr_out *out,
     const int *chunks, int parts);
 
-/* Compresses all chunks, in parallel, and appends them to part `part` in
- * order. The bytes do not depend on the number of threads. Values that did not
- * fit are added to *clamped.
+/* Compresses all chunks, in parallel, and appends them to part `part` in order.
+ * Values that did not fit are added to *clamped.
  * Errors: GP_ERR_USAGE it cannot hold these channels; GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
     const struct gp_exr_image *img, long long *clamped);
 
-/* Copies all chunks of part `from` of another file, flat or deep, scanlines or
- * tiles of all levels, byte by byte and in the order in which they are in it.
- * Errors: GP_ERR_DATA a chunk is missing or reaches out of the file (`path`
- * is that file, for the line); GP_ERR_IO. */
+/* Copies all chunks of part `from` of another file, `path`, flat or deep and of
+ * all levels, in the order in which they are in it.
+ * Errors: GP_ERR_DATA a chunk is missing or reaches out of the file; GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
     const char *path, const struct gp_input *in, int from);
 

@@ -563,23 +563,17 @@ void answer(const gp_oiio_ask &ask, int fd[2], gp_oiio_reply &reply,
         OIIO::attribute("exr_threads", threads);
     }
     limit(RLIMIT_FSIZE, ask.call == GP_OIIO_WRITE ? inherited_file : 0, false);
-    switch (ask.call) {
-    case GP_OIIO_OPEN: {
+    if (ask.call == GP_OIIO_OPEN) {
         const int given = fd[0];
         fd[0] = -1;
         open_file(given, ask, reply.spec, text);
-        break;
+        return;
     }
-    case GP_OIIO_PIXELS:
+    if (ask.call == GP_OIIO_PIXELS)
         read_pixels(Shared(fd[0], ask.size).samples());
-        text.clear();
-        break;
-    case GP_OIIO_WRITE:
-        write_file(fd[0], ask, text,
-                           Shared(fd[1], ask.size).samples());
-        text.clear();
-        break;
-    }
+    else
+        write_file(fd[0], ask, text, Shared(fd[1], ask.size).samples());
+    text.clear();
 }
 
 // Keeps the first line, as libraries repeat it for each row. Plugins catch

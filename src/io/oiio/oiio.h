@@ -25,13 +25,12 @@
 
 /* -- reading --------------------------------------------------------------- */
 
-/* Reads picture `part` (0: the first) of a stream. Of EXR, channels that are
- * stored as uint32 come as those 32 bits in the place of the float, and each
- * four channels count on their own for max_pixels.
+/* Reads picture `part` of a stream. Of EXR, channels that are stored as uint32
+ * come as those 32 bits in the place of the float, and each four channels count
+ * on their own for max_pixels.
  *
- *   reader  OpenImageIO's name of the format: "tiff", "openexr", ...; the
- *           helper refuses all but those of gp_readers and "openexr"
- *   out  written only on GP_OK
+ *   reader  OpenImageIO's name of the format, of gp_readers; the
+ *           helper refuses all others
  *
  * Errors: GP_ERR_IO there is no helper; GP_ERR_DATA damaged, truncated, over
  * max_pixels, no format that is read, or the helper did not survive it. */
