@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/channels.h"
 
+#include "core/bytes.h"
 #include "core/parallel.h"
 #include "core/half.h"
 
@@ -294,7 +295,7 @@ static bool find_set(const char *const *name, int n, const char *layer,
 bool gp_find_colour(const char *const *name, int n, bool lone,
                     struct gp_colour_choice *out)
 {
-    static const char *const pictures[] = {"combined.", "beauty.", "rgba."};
+    static const char *const pictures[] = {"combined", "beauty", "rgba"};
     const char *last = "";
     size_t last_len = 0;
     bool found = false;
@@ -302,21 +303,15 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
         return true;
     // the first layer that has all three, or the first such picture
     for (int i = 0; i < n; i++) {
-        const char *dot = strrchr(name[i], '.');
-        const size_t len = dot ? (size_t) (dot - name[i]) + 1 : 0;
-        if (!dot || named_like_ids(name[i]) || !gp_is_light(name[i], len - 1))
+        const size_t len = gp_layer_length(name[i]);
+        if (!len || named_like_ids(name[i]) || !gp_is_light(name[i], len - 1))
             continue;
         if (len == last_len && strncmp(name[i], last, len) == 0)
             continue;
         last = name[i];
         last_len = len;
-        const size_t start = gp_last_part(last, len - 1);
-        bool picture = false;
-        for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
-            const size_t bytes = strlen(pictures[k]);
-            picture |= bytes == len - start &&
-                       strncasecmp(last + start, pictures[k], bytes) == 0;
-        }
+        const bool picture = is_called(last, len - 1, pictures,
+                                       sizeof pictures / sizeof *pictures);
         int at[3];
         if ((found && !picture) ||
             find_three(name, n, i, name[i], len, true, at) < 3)
@@ -465,11 +460,8 @@ static void float_row(void *ctx, int y, int thread)
         gp_half_to_float((const uint16_t *) (const void *) from, row, n);
     else
         memcpy(row, from, n * sizeof *row);
-    for (size_t x = 0; c->type == GP_UINT && x < n; x++) {
-        uint32_t u;
-        memcpy(&u, &row[x], sizeof u);
-        row[x] = (float) u;
-    }
+    for (size_t x = 0; c->type == GP_UINT && x < n; x++)
+        row[x] = (float) gp_bits_of(row[x]);
     // from the right, so that no sample is overwritten before its use
     for (int x = w - 1; x >= 0 && c->xs > 1; x--)
         row[x] = row[x / c->xs < c->w ? x / c->xs : c->w - 1];

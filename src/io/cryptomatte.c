@@ -536,7 +536,7 @@ static gp_status read_rank(const struct reading *c, const struct rank *r,
     gp_status st = GP_OK;
     a->from = c->f->data;
     if (!own) {
-        GP_TRY(gp_exr_chunks_find(c->log, c->f->path, c->in, r->part,
+        GP_TRY(gp_exr_chunks_find(c->log, c->f->path, c->in, r->part, false,
                                   c->p->max_pixels, &chunks));
         a->from = (struct gp_rect) {chunks.x0, chunks.y0, chunks.x0 + chunks.w,
                                     chunks.y0 + chunks.h};

@@ -359,8 +359,8 @@ static gp_status from_part(const struct gp_log *log,
     gp_status st;
     float **to = NULL;
     struct gp_exr_chunks l;
-    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->number, p->max_pixels,
-                              &l));
+    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->number, false,
+                              p->max_pixels, &l));
     GP_TRY(make_samples(log, (struct gp_rect) {l.x0, l.y0, l.x0 + l.w,
                                                l.y0 + l.h}, out));
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,

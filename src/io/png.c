@@ -335,31 +335,20 @@ static void on_write_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-/* Sets glarepp:version, glarepp:command, as iTXt where not ASCII, and
- * glarepp:output. */
-static void set_texts(png_structp png, png_infop info, const char *command,
-                      const char *output)
+/* Sets a text, as iTXt where it is not ASCII. */
+static void set_text(png_structp png, png_infop info, const char *key,
+                     const char *value)
 {
-    static char version[] = GP_VERSION;
-    static char version_key[] = "glarepp:version";
-    static char command_key[] = "glarepp:command";
-    static char output_key[] = "glarepp:output";
-    bool ascii = true;
-    for (const char *s = command; *s; s++)
-        ascii = ascii && !(*s & 0x80);
-    png_text text[3] = {
-        {.compression = PNG_TEXT_COMPRESSION_NONE,
-         .key = version_key,
-         .text = version},
-        {.compression =
-             ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
-         .key = command_key,
-         .text = (png_charp) (uintptr_t) command},
-        {.compression = PNG_TEXT_COMPRESSION_NONE,
-         .key = output_key,
-         .text = (png_charp) (uintptr_t) output},
+    png_text text = {
+        .compression = PNG_TEXT_COMPRESSION_NONE,
+        .key = (png_charp) (uintptr_t) key,
+        .text = (png_charp) (uintptr_t) value,
     };
-    png_set_text(png, info, text, output ? 3 : 2);
+    for (const char *s = value; *s; s++) {
+        if (*s & 0x80)
+            text.compression = PNG_ITXT_COMPRESSION_NONE;
+    }
+    png_set_text(png, info, &text, 1);
 }
 
 /* PNG has no imaginary primaries. */
@@ -436,8 +425,12 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     if (aspect != 1.0 && aspect > 1e-4 && aspect < 1e4)
         png_set_pHYs(png, info, (png_uint_32) (unit / aspect + 0.5),
                      (png_uint_32) unit, PNG_RESOLUTION_UNKNOWN);
-    if (p->command)
-        set_texts(png, info, p->command, p->output);
+    if (p->command) {
+        set_text(png, info, "glarepp:version", GP_VERSION);
+        set_text(png, info, "glarepp:command", p->command);
+    }
+    if (p->command && p->output)
+        set_text(png, info, "glarepp:output", p->output);
     png_write_info(png, info);
     if (tags->cicp[0])
         png_write_chunk(png, (png_const_bytep) "cICP", tags->cicp,

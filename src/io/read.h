@@ -34,7 +34,7 @@ static inline struct gp_read_params gp_read_limits(
 }
 
 /* The part, layer and view of a frame, as gp_read_params takes them; "" where
- * the file has only one, or it has no name. Longer names are cut. */
+ * the file has only one, or it has no name. */
 struct gp_taken {
     char part[256], layer[256], view[256];
 };
@@ -86,17 +86,15 @@ GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
  * content. True also for one that cannot be opened: nobody knows. */
 bool gp_read_has_end(const char *path);
 
-/* Another layer of the EXR that `f` was read from: what is in f's part comes
- * from f's channels, the rest is decoded from f's input.
+/* Another layer of the EXR that `f`, whose rgb may have changed since, was read
+ * from.
  *
  *   p      p->view narrows, else f's own view comes first; p->layer and
  *          p->part do not count
- *   f      its rgb may have changed since
  *   layer  as p->layer there; NULL is the colour of p->view
- *   out    written only on GP_OK: windows, chromaticities, rgb and channels.
- *          A layer of f's part has its colour channels only; one of another
- *          part has all channels of that part, as gp_write_hdr() needs them.
- *          input is f's, so free it before f
+ *   out    written only on GP_OK: a layer of f's part has its colour channels
+ *          only, one of another part all channels of that part, as
+ *          gp_write_hdr() needs them. Its input is f's, so free it before f
  *
  * Errors: those of gp_read_frame(); GP_ERR_DATA the layer's data window is not
  * f's; GP_ERR_USAGE f is not from an EXR. */
@@ -126,9 +124,7 @@ GP_MUST_CHECK gp_status gp_frame_views(const struct gp_log *log,
 
 /* -- several images in one stream ------------------------------------------
  *
- * One after the other, as `cat a.exr b.exr` makes them. The whole stream is
- * read into memory before the first frame: a pipe does not declare how many
- * frames will come. */
+ * One after the other, as `cat a.exr b.exr` makes them. */
 
 /* The place of one image in the stream. */
 struct gp_member {
@@ -141,16 +137,14 @@ struct gp_members {
     int n;
 };
 
-/* Reads stdin (or another pipe) to its end and finds its images.
+/* Reads a pipe, "-" or another, to its end, of 16 bytes for each of max_pixels
+ * and 64 MiB at most, and finds its images.
  *
  * EXR declares its end by its offset tables, PNG by IEND, PFM by its header; an
  * image of any other format must be the only one. An image whose end is unknown
  * (damaged, truncated) reaches to the end of the stream, so that its reader
  * reports the damage. Zero bytes after an image are padding.
  *
- *   p     max_pixels bounds the bytes of the whole stream: 16 for each pixel,
- *         and 64 MiB
- *   path  "-", or a pipe
  *   out   written only on GP_OK; outlives the frames read from it
  *
  * Errors: those of gp_read_frame(); GP_ERR_DATA bytes after an image that
@@ -160,10 +154,8 @@ GP_MUST_CHECK gp_status gp_members_read(const struct gp_log *log,
 /* Frees what it owns and clears it; an empty or all-zero one is fine. */
 void gp_members_free(struct gp_members *m);
 
-/* gp_read_frame() for image `i` of [0, m->n). The frame borrows the stream's
- * bytes; several threads may read at once.
- *
- *   name  for messages and gp_frame.path */
+/* gp_read_frame() for image `i`, called `name`. The frame borrows the stream's
+ * bytes; several threads may read at once. */
 GP_MUST_CHECK gp_status gp_members_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *name,
     const struct gp_members *m, int i, struct gp_frame *out);
@@ -186,7 +178,6 @@ enum { GP_COVERED = 65535 };
 /* Reads the alpha of a picture of any format, an EXR by glarepp-oiio; samples
  * are clamped to [0, 1], NaN is 0.
  *
- *   path   of the file; with `bytes` its name for messages
  *   bytes  the file's, n of them; NULL: `path` is opened, a regular file
  *   most   pixels; over it is refused
  *   out    written on GP_OK only; gp_free() its codes. Of a picture without

@@ -107,7 +107,7 @@ static gp_status read_exr(const struct gp_log *log,
     float **to = NULL;
     if (gp_exr_is_deep(file->input, part))
         return read_deep(log, p, file, part, out);
-    GP_TRY(gp_exr_chunks_find(log, file->path, file->input, part,
+    GP_TRY(gp_exr_chunks_find(log, file->path, file->input, part, false,
                               p->max_pixels, &l));
     gp_exr_frame_header(&l, &f);
     copy_header(&f, out);

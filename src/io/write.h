@@ -150,9 +150,7 @@ struct gp_hdr_colour {
 };
 
 /* Writes an EXR in which the colour channels of each frame hold its planes and
- * every other channel, attribute and part of the input passes through:
- * channels of the same parts sample by sample, other parts chunk by chunk as
- * they are. Luminance-chroma and grey inputs: grey stays one channel when the
+ * every other channel, attribute and part of the input passes through. Luminance-chroma and grey inputs: grey stays one channel when the
  * planes are equal, else R,G,B take its place. With p->converted the
  * attributes of the input's primaries and of how to show them are left out,
  * and chromaticities are p->primaries.

@@ -113,9 +113,8 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
     return GP_OK;
 }
 
-/* gp_exr_chunks_find() of parts that may be deep. */
-static gp_status find_chunks(const struct gp_log *log, const char *path,
-                             const struct gp_input *in, int part,
+gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
+                             const struct gp_input *in, int part, bool deep,
                              long long max_pixels, struct gp_exr_chunks *out)
 {
     const exr_context_t exr = in->exr;
@@ -123,6 +122,11 @@ static gp_status find_chunks(const struct gp_log *log, const char *path,
     gp_status st;
     exr_attr_box2i_t d;
     *out = (struct gp_exr_chunks) {.input = in, .path = path, .part = part};
+    if (!deep && gp_exr_is_deep(in, part))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: deep data has no single colour per pixel (part "
+                       "%d); flatten it first, with e.g. oiiotool --flatten",
+                       path, part);
     if (exr_get_storage(exr, part, &storage) ||
         exr_get_compression(exr, part, &out->compression) ||
         exr_get_channels(exr, part, &out->channel) ||
@@ -169,18 +173,6 @@ static gp_status find_chunks(const struct gp_log *log, const char *path,
     GP_TRY(read_chunks(log, out));
 out:
     return st;
-}
-
-gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
-                             const struct gp_input *in, int part,
-                             long long max_pixels, struct gp_exr_chunks *out)
-{
-    *out = (struct gp_exr_chunks) {.input = in};
-    if (gp_exr_is_deep(in, part))
-        return gp_fail(log, GP_ERR_DATA,
-            "%s: deep data has no single colour per pixel (part "
-            "%d); flatten it first, with e.g. oiiotool --flatten", path, part);
-    return find_chunks(log, path, in, part, max_pixels, out);
 }
 
 void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
@@ -555,7 +547,7 @@ gp_status gp_exr_deep_read(const struct gp_log *log, const char *path,
     struct gp_exr_chunks *const l = &out->part;
     gp_status st;
     *out = (struct gp_exr_deep) {0};
-    GP_TRY(find_chunks(log, path, in, part, max_pixels, l));
+    GP_TRY(gp_exr_chunks_find(log, path, in, part, true, max_pixels, l));
     gp_exr_fault_clear();
     d.inflate = libdeflate_alloc_decompressor();
     if (!d.inflate)

@@ -81,9 +81,8 @@ struct place {
 static int by_offset(const void *a, const void *b)
 {
     const struct place *p = a, *q = b;
-    if (p->offset != q->offset)
-        return p->offset < q->offset ? -1 : 1;
-    return p->index - q->index;
+    return p->offset != q->offset ? (p->offset < q->offset ? -1 : 1)
+                                  : p->index - q->index;
 }
 
 gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,

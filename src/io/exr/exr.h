@@ -132,10 +132,12 @@ struct gp_exr_sink {
 
 /* Finds every chunk of level 0 and checks that it is in the file and can expand
  * to its pixels. `out` is written always; free with gp_exr_chunks_free().
- * Errors: GP_ERR_DATA deep data, more than max_pixels, truncated or damaged. */
+ * Errors: GP_ERR_DATA deep data without `deep`, more than max_pixels, truncated or damaged. */
 GP_MUST_CHECK gp_status gp_exr_chunks_find(const struct gp_log *log,
-    const char *path, const struct gp_input *in, int part, long long max_pixels,
-    struct gp_exr_chunks *out);
+                                           const char *path,
+                                           const struct gp_input *in, int part,
+                                           bool deep, long long max_pixels,
+                                           struct gp_exr_chunks *out);
 void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
 
 /* Decodes all chunks, in parallel: by OpenEXRCore, DWAA and DWAB by OpenImageIO.

@@ -27,7 +27,6 @@ static const float tap[TAPS] = {
 struct rows {
     const struct gp_yc *in;
     float *chroma[2];  // rows y / ys of RY and BY, all columns
-    float *some;       // for each thread a row of chroma with TAPS at its ends
     float *outside;    // R, G, B of the rows above and below the picture
     float *saturation; // of the picture's rows, and of those
     struct gp_planes *out;
@@ -41,33 +40,25 @@ static void keep_half(const struct gp_yc *in, float *row)
 
 /* -- chroma --------------------------------------------------------------- */
 
-/* Odd columns from the even ones: n, with TAPS / 2 more at both ends. */
-GP_CLONES static void fill_columns(const float *some, int n, float *row)
-{
-    for (int i = 0; i < n; i++) {
-        const float *from = some + i + 1 - TAPS / 2;
-        float sum = from[0] * tap[0];
-        for (int k = 1; k < TAPS; k++)
-            sum += from[k] * tap[k];
-        row[2 * i] = some[i];
-        row[2 * i + 1] = sum;
-    }
-}
-
+/* Odd columns from the even ones; outside the row its ends are repeated. */
 static void chroma_row(void *ctx, int i, int thread)
 {
     const struct rows *r = ctx;
     const struct gp_yc *in = r->in;
     const int n = in->w / in->xs;
     const size_t w = (size_t) in->w, row = (size_t) i;
-    float *some = r->some + (size_t) thread * (w + TAPS) + TAPS / 2;
+    (void) thread;
     for (int c = 0; c < 2; c++) {
         const float *from = (c ? in->by : in->ry) + row * (size_t) n;
         float *to = r->chroma[c] + row * w;
-        // outside the row its first and its last sample are repeated
-        for (int k = -TAPS / 2; k < n + TAPS / 2; k++)
-            some[k] = from[gp_clamp(k, 0, n - 1)];
-        fill_columns(some, n, to);
+        for (int x = 0; x < n; x++) {
+            const int first = x + 1 - TAPS / 2;
+            float sum = from[gp_max(first, 0)] * tap[0];
+            for (int k = 1; k < TAPS; k++)
+                sum += from[gp_clamp(first + k, 0, n - 1)] * tap[k];
+            to[2 * x] = from[x];
+            to[2 * x + 1] = sum;
+        }
         keep_half(in, to);
     }
 }
@@ -219,8 +210,6 @@ gp_status gp_yc_to_rgb(const struct gp_log *log, const struct gp_yc *in,
     for (int c = 0; c < 2; c++)
         GP_TRY(gp_alloc(log, "chroma", chroma_rows * w, sizeof(float),
                         &rows.chroma[c]));
-    GP_TRY(gp_alloc(log, "chroma", (size_t) gp_threads() * (w + TAPS),
-                    sizeof(float), &rows.some));
     GP_TRY(gp_alloc(log, "chroma", 6 * w, sizeof(float), &rows.outside));
     GP_TRY(gp_alloc(log, "chroma", (h + 2) * w, sizeof(float),
                     &rows.saturation));
@@ -230,7 +219,6 @@ gp_status gp_yc_to_rgb(const struct gp_log *log, const struct gp_yc *in,
 out:
     gp_free(rows.chroma[0]);
     gp_free(rows.chroma[1]);
-    gp_free(rows.some);
     gp_free(rows.outside);
     gp_free(rows.saturation);
     return st;

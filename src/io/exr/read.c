@@ -242,7 +242,7 @@ static gp_status read_choice(const struct gp_log *log,
                          choice->colour.index[0] >= 0;
     GP_TRY(is_deep ? gp_exr_deep_read(log, path, in, choice->part,
                                       p->max_pixels, &deep)
-                   : gp_exr_chunks_find(log, path, in, choice->part,
+                   : gp_exr_chunks_find(log, path, in, choice->part, false,
                                         p->max_pixels, &deep.part));
     r.chunks = deep.part;
     gp_exr_frame_header(&r.chunks, &f);
