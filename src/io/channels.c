@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "core/half.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -117,16 +118,6 @@ static bool is_vector(const char *layer, size_t len)
     return is_called(layer, len, vector, sizeof vector / sizeof *vector);
 }
 
-static bool is_small(char c)
-{
-    return c >= 'a' && c <= 'z';
-}
-
-static bool is_capital(char c)
-{
-    return c >= 'A' && c <= 'Z';
-}
-
 /* True where a word of a layer's name, after its last dot, means depth:
  * AOV_depth, camera-z, DepthNormalized. Words begin after a mark and at a
  * capital after a small letter. One letter alone is a layer's name. */
@@ -138,9 +129,9 @@ static bool has_depth_word(const char *layer, size_t len)
     const size_t first = gp_last_part(layer, len);
     for (size_t start = first, end; start < len; start = end + 1) {
         for (end = start; end < len; end++) {
-            const char c = layer[end];
-            if ((!is_small(c) && !is_capital(c)) ||
-                (end > start && is_capital(c) && is_small(layer[end - 1])))
+            const unsigned char c = (unsigned char) layer[end];
+            if (!isalpha(c) || (isupper(c) && end > start &&
+                                islower((unsigned char) layer[end - 1])))
                 break;
         }
         for (size_t i = 0; i < sizeof depth / sizeof *depth; i++) {
@@ -149,7 +140,7 @@ static bool has_depth_word(const char *layer, size_t len)
                 return true;
         }
         // a capital begins the next word, a mark does not
-        end -= end < len && is_capital(layer[end]);
+        end -= end < len && isupper((unsigned char) layer[end]);
     }
     return false;
 }

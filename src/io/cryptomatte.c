@@ -460,7 +460,6 @@ static gp_status check_rank(const struct reading *c, const struct rank *r)
 static gp_status find_layers(struct reading *c)
 {
     const struct gp_input *const in = c->in;
-    const char *const view = gp_exr_part_view(in, in->part);
     bool some = false;
     gp_status st;
     GP_TRY(gp_alloc_zero(c->log, "layers of Cryptomatte",
@@ -469,9 +468,8 @@ static gp_status find_layers(struct reading *c)
         c->type[i].rank = c->rank + (size_t) i * RANKS;
     GP_TRY(list_part(c, in->part));
     for (int part = 0; part < in->parts; part++) {
-        const char *const other = gp_exr_part_view(in, part);
         if (part != in->part && !gp_exr_is_deep(in, part) &&
-            !(view && other && strcmp(view, other) != 0))
+            !gp_exr_other_view(in, part, in->part))
             GP_TRY(list_part(c, part));
     }
     for (int i = 0; i < c->types * RANKS; i++) {

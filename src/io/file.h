@@ -29,14 +29,9 @@ static inline bool gp_is_dash(const char *path)
     return path && path[0] == '-' && !path[1];
 }
 
-/* Starts writing `path`. Follows a symbolic link: it stays and its target is
- * replaced. Keeps the permissions of an existing file.
- *
- *   log         borrowed until commit or discard
- *   create_dir  make missing folders of the path
- *   out         written only on GP_OK; ends with gp_file_commit() or
- *               gp_file_discard()
- *
+/* Starts writing `path`, `create_dir` with missing folders. Follows a symbolic
+ * link: it stays and its target is replaced. Keeps the permissions of an existing
+ * file. Borrows `log` until gp_file_commit() or gp_file_discard().
  * Errors: GP_ERR_IO no such folder, a folder of that name, not writable. */
 GP_MUST_CHECK gp_status gp_file_open(const struct gp_log *log, const char *path,
                                      bool create_dir, struct gp_file **out);
@@ -67,13 +62,9 @@ GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
 /* Removes what was written and frees *f; NULL is fine. */
 void gp_file_discard(struct gp_file **f);
 
-/* Opens a file that grows line by line: not replaced, for others read it, and
- * not cut. Follows links as above. Begins at the start, a descriptor of the
- * process where it is.
- *
- *   out      descriptor; close() it
- *   created  the file's own name where there was none, gp_free() it; else NULL
- */
+/* Opens a file that grows line by line, for others that read it: not replaced and
+ * not cut; begins at the start, a descriptor of the process where it is. *created
+ * is the file's own name where there was none, gp_free() it, or NULL. */
 GP_MUST_CHECK gp_status gp_file_open_lines(const struct gp_log *log,
     const char *path, bool create_dir, int *out, char **created);
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Grows frames to the window of their outputs.
- *
- * A renderer or compositor may store only the pixels that hold something: a
- * data window inside the display window. Glare reaches out of it, and a sun may
- * be outside of it, so a frame grows before the first stage. */
+/* Grows frames to the window of their outputs: glare reaches out of a data window
+ * that holds only the pixels with something, and a sun may be outside of it. */
 #ifndef GP_IO_GROW_H
 #define GP_IO_GROW_H
 

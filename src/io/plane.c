@@ -19,13 +19,14 @@ enum kind { COVERAGE, DEPTH, MASK };       // of what is looked for
 /* One part and its channels, of which only names are used. */
 struct part {
     int number;              // in the file
-    const char *name, *view; // NULL when it has none; borrowed
+    const char *name;        // NULL when it has none; borrowed
     const char *layer;       // its name without its view, of `length` bytes
     size_t length;
     bool colour;             // it holds the frame's colour
     bool inner;              // the channels' names in the colour's view, "" for
                              // others; the part itself follows
     bool deep;
+    bool other;              // of another view than the colour's part
     bool mist;               // its Z is not depth
     const char *by;          // a channel of the frame's colour, or NULL
     const struct gp_channel *channel;
@@ -66,11 +67,6 @@ static gp_status alloc_list(const struct gp_log *log, int parts, int channels,
                                    sizeof *list->channel, &list->channel);
 }
 
-static bool other_view(const char *a, const char *b)
-{
-    return a && b && strcmp(a, b) != 0;
-}
-
 /* Lists the parts of an EXR as plane.h orders them; after those called depth
  * those in the layer around the colour's (B.Depth for B.Combined); deep last. The
  * colour is a channel of o->part, or NULL. */
@@ -96,7 +92,6 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
             struct part to = {
                 .number = part,
                 .name = gp_exr_part_name(o, part),
-                .view = gp_exr_part_view(o, part),
                 .layer = layer,
                 .length = length,
                 .colour = colour && part == o->part,
@@ -104,14 +99,14 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
                 .mist = gp_is_mist(layer, length),
                 .channels = from->num_channels,
             };
-            const bool other = colour && other_view(to.view,
-                gp_exr_part_view(o, o->part));
+            to.other = colour && gp_exr_other_view(o, part, o->part);
             const bool plain = depth && !(to.name &&
                                           strcasestr(to.name, "depth"));
             const bool far = n > 0 && !(to.name &&
                                         strncmp(to.name, own, n) == 0);
-            if ((to.colour ? -1 : 8 * to.deep + 4 * other + 2 * plain + far) !=
-                order)
+            if ((to.colour
+                     ? -1
+                     : 8 * to.deep + 4 * to.other + 2 * plain + far) != order)
                 continue;
             for (int inner = to.colour && view; inner >= 0; inner--) {
                 struct gp_channel *const channel =
@@ -314,8 +309,7 @@ static gp_status pick(const struct gp_log *log, const struct list *list,
                at.part->number);
         at = (struct place) {0};
     } else if (at.part && !own_file &&
-               (other_view(at.part->view, list->part->view) ||
-                (depth && of_other_layer(list, &at)))) {
+               (at.part->other || (depth && of_other_layer(list, &at)))) {
         full_name(list, at.part, at.part->channel[at.channel].name, names);
         gp_say(log, GP_LEVEL_WARN, "%s: the colour's layer and view have no "
                "%s: using %s of another; choose with %s", list->path,
@@ -638,9 +632,7 @@ gp_status gp_read_vectors(const struct gp_log *log,
     GP_TRY(list_frame(log, f, false, &list));
     for (int i = 0; i < list.parts && !found && !st; i++) {
         const struct part *const part = &list.part[i];
-        if (part->deep || (i > 0 && part[-1].inner) ||
-            (part->view && list.part->view &&
-             strcmp(part->view, list.part->view) != 0))
+        if (part->deep || part->other || (i > 0 && part[-1].inner))
             continue;
         struct names names;
         struct three three = {.second = -1};

@@ -222,12 +222,10 @@ void gp_stored_image_free(struct gp_stored_image *image)
  * is not -1; -1: none. */
 static int deep_part(const struct gp_input *in, int like)
 {
-    const char *const view = like < 0 ? NULL : gp_exr_part_view(in, like);
     for (int part = 0; part < in->parts; part++) {
         const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
-        const char *const own = gp_exr_part_view(in, part);
         if (!gp_exr_is_deep(in, part) ||
-            (view && own && strcmp(view, own) != 0))
+            (like >= 0 && gp_exr_other_view(in, part, like)))
             continue;
         for (int i = 0; i < list->num_channels; i++) {
             if (strcmp(list->entries[i].name.str, "A") == 0)

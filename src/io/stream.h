@@ -40,7 +40,7 @@ static inline struct gp_stream gp_stream_of(const void *data, uint64_t size)
 GP_MUST_CHECK gp_status gp_stream_open(const struct gp_log *log,
     const char *path, uint64_t first, struct gp_stream *s);
 
-/* Opens a file that another file names: a regular one, "-" is a name too.
+/* Opens a regular file; "-" is a name too.
  * Errors: those of gp_open_regular(); GP_ERR_DATA empty. */
 GP_MUST_CHECK gp_status gp_stream_open_regular(const struct gp_log *log,
     const char *path, struct gp_stream *s);

@@ -183,9 +183,9 @@ GP_MUST_CHECK gp_status gp_convert_layers(const struct gp_log *log,
     gp_convert *convert, void *user, struct gp_frame *f,
     struct gp_write_stats *stats);
 
-/* Writes `n` layers of light of a frame's size into one EXR: layer i has the planes
- * part[i] as NAME.R, NAME.G, NAME.B of name[i]. Names are of letters, no two the
- * same. Errors: those of gp_write_picture(). */
+/* Writes `n` layers of light of a frame's size into one EXR, part[i] as NAME.R,
+ * NAME.G, NAME.B of name[i], no two the same. Errors: those of
+ * gp_write_picture(). */
 #define GP_PARTS_KEEP "--parts writes layers"
 GP_MUST_CHECK gp_status gp_write_parts(
     const struct gp_log *log, const struct gp_write_params *p, const char *path,

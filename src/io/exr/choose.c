@@ -5,12 +5,19 @@
 #include "core/memory.h"
 #include "io/channels.h"
 
-#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 /* -- parts and views ------------------------------------------------------ */
+
+bool gp_exr_other_view(const struct gp_input *in, int a, int b)
+{
+    const char *const one = gp_exr_part_view(in, a);
+    const char *const two = gp_exr_part_view(in, b);
+    return one && two && strcmp(one, two) != 0;
+}
 
 bool gp_exr_is_deep(const struct gp_input *in, int part)
 {
@@ -297,12 +304,10 @@ static gp_status search_parts(const struct search *s, const char *layer,
 /* The number of the part of that number or name, or -1. */
 static int part_number(const struct gp_input *in, const char *part)
 {
-    long long number = 0;
-    const char *c = part;
-    for (; *c >= '0' && *c <= '9' && number < INT_MAX; c++)
-        number = number * 10 + (*c - '0');
-    if (*c == '\0' && c > part)
+    if (*part && !part[strspn(part, "0123456789")]) {
+        const long number = strtol(part, NULL, 10);
         return number < in->parts ? (int) number : -1;
+    }
     for (int i = 0; i < in->parts; i++) {
         const char *name = gp_exr_part_name(in, i);
         if (name && strcmp(name, part) == 0)

@@ -74,6 +74,9 @@ const exr_attr_chlist_t *gp_exr_channels(const struct gp_input *in, int part);
 const char *gp_exr_part_name(const struct gp_input *in, int part);
 const char *gp_exr_part_view(const struct gp_input *in, int part);
 
+/* True when both parts have views, and not the same. */
+bool gp_exr_other_view(const struct gp_input *in, int a, int b);
+
 /* The part's name without the view at its end: "rgba" of rgba.left and
  * rgba_left in a part whose view is left. Returns its length; 0 and "" when
  * the part has no name. */
