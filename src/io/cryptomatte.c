@@ -379,15 +379,10 @@ static gp_status check_seen(const struct reading *c)
 /* The channel of a layer by its own name, 0 to 3; -1: another. */
 static int component(const char *name)
 {
-    static const char *const words[4][2] = {
-        {"r", "red"},
-        {"g", "green"},
-        {"b", "blue"},
-        {"a", "alpha"},
-    };
+    static const char *const words[] = {"red", "green", "blue", "alpha"};
     for (int k = 0; k < 4; k++) {
-        if (strcasecmp(name, words[k][0]) == 0 ||
-            strcasecmp(name, words[k][1]) == 0)
+        if (strcasecmp(name, words[k]) == 0 ||
+            (strlen(name) == 1 && strncasecmp(name, words[k], 1) == 0))
             return k;
     }
     return -1;

@@ -63,16 +63,6 @@ static void chroma_row(void *ctx, int i, int thread)
     }
 }
 
-GP_CLONES static void add_rows(const float *const row[TAPS], int w, float *out)
-{
-    for (int x = 0; x < w; x++) {
-        float sum = row[0][x] * tap[0];
-        for (int k = 1; k < TAPS; k++)
-            sum += row[k][x] * tap[k];
-        out[x] = sum;
-    }
-}
-
 /* RY or BY of row y: odd rows are filtered, rows outside repeat the ends. */
 static void chroma_of_row(const struct rows *r, int c, int y, float *out)
 {
@@ -87,7 +77,12 @@ static void chroma_of_row(const struct rows *r, int c, int y, float *out)
     for (int k = 0; k < TAPS; k++)
         source[k] = r->chroma[c] +
                     (size_t) gp_clamp((y - REACH) / 2 + k, 0, last) * w;
-    add_rows(source, r->in->w, out);
+    for (size_t x = 0; x < w; x++) {
+        float sum = source[0][x] * tap[0];
+        for (int k = 1; k < TAPS; k++)
+            sum += source[k][x] * tap[k];
+        out[x] = sum;
+    }
     keep_half(r->in, out);
 }
 

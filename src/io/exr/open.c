@@ -506,7 +506,6 @@ static int64_t chunk_place(const struct gp_input *in, uint64_t offset,
     uint8_t leader[20] = {0}; // the last chunk may be shorter
     int32_t number[5], lines; // part; x, y and levels of a tile, or y
     uint32_t w, h;
-    exr_storage_t storage;
     exr_tile_level_mode_t mode;
     exr_tile_round_mode_t round;
     exr_attr_box2i_t data;
@@ -515,7 +514,6 @@ static int64_t chunk_place(const struct gp_input *in, uint64_t offset,
     memcpy(number + !multi, leader, sizeof leader - (multi ? 0 : 4));
     *part = multi ? number[0] : 0;
     if (*part < 0 || *part >= in->parts ||
-        exr_get_storage(in->exr, *part, &storage) ||
         exr_get_data_window(in->exr, *part, &data))
         return -1;
     const struct gp_exr_index_part *const p = &in->index->part[*part];

@@ -151,12 +151,12 @@ static void add_plane(struct part *s, enum gp_pixel_type type,
 
 /* -- --hdr ---------------------------------------------------------------- */
 
-/* The frames of one part. */
+/* The frames of one part, among `n`. */
 struct group {
     const struct gp_log *log;
     const struct gp_write_params *p;
     const struct gp_hdr_colour *set;
-    int n;
+    int n, part;
     const struct gp_frame *complete; // the one that has all channels of it
 };
 
@@ -169,6 +169,8 @@ static int count_owners(const struct group *g, int i)
         const struct gp_frame *const f = g->set[k].f;
         // a frame with all channels has them in this order
         const bool all = f->channels == g->complete->channels;
+        if (f->part != g->part)
+            continue;
         for (int c = all ? i : 0; c < (all ? i + 1 : f->channels); c++)
             n += f->channel[c].colour >= 0 &&
                  strcmp(f->channel[c].name, name) == 0;
@@ -265,23 +267,26 @@ static gp_status add_frame(const struct group *g,
     return GP_OK;
 }
 
-/* The channels of one part, with the colours of n >= 1 frames of it, of which
- * one was read whole: what is the colour of none as it is, colours as
- * gp_write_hdr() says. */
+/* The channels of the part of frame out->f, with the colours of those of n frames
+ * that are of it, of which one was read whole: what is the colour of none as it
+ * is, colours as gp_write_hdr() says. */
 static gp_status hdr_sources(const struct gp_log *log,
     const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
     struct part *out)
 {
     gp_status st;
-    struct group g = {log, p, set, n, set[0].f};
-    for (int i = 1; i < n; i++) {
-        if (set[i].f->channels > g.complete->channels)
+    struct group g = {log, p, set, n, out->f->part, out->f};
+    for (int i = 0; i < n; i++) {
+        if (set[i].f->part == g.part &&
+            set[i].f->channels > g.complete->channels)
             g.complete = set[i].f;
     }
     GP_TRY(make_room(log, g.complete->channels + 3 * n, n, out));
     GP_TRY(add_carried(&g, out));
-    for (int i = 0; i < n; i++)
-        GP_TRY(add_frame(&g, &set[i], out));
+    for (int i = 0; i < n; i++) {
+        if (set[i].f->part == g.part)
+            GP_TRY(add_frame(&g, &set[i], out));
+    }
     qsort(out->img.source, (size_t) out->img.sources,
           sizeof *out->img.source, by_name);
     // names from other formats may not fit EXR
@@ -292,7 +297,7 @@ static gp_status hdr_sources(const struct gp_log *log,
             GP_TRY(gp_fail(log, GP_ERR_DATA,
                            "%s: EXR cannot hold its channels (name \"%.40s\" "
                            "is empty, too long, or used twice); rename them",
-                           set[0].f->path, name));
+                           out->f->path, name));
     }
 out:
     return st;
@@ -584,9 +589,7 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
         .kept = p->converted ? GP_EXR_KEEP_CONVERTED : GP_EXR_KEEP_ALL,
     };
     struct gp_crypto crypto;
-    struct gp_hdr_colour *group = NULL;
     gp_status st;
-    GP_TRY(gp_alloc(log, "parts", (size_t) n, sizeof *set, &group));
     const int parts = in ? in->parts : 1;
     GP_TRY(gp_alloc_zero(log, "parts", (size_t) parts, sizeof *w.part,
                          &w.part));
@@ -599,14 +602,9 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
         struct part *const to = &w.part[in ? number : 0];
         if (to->f)
             continue;
-        int found = 0; // frames of that part
-        for (int k = i; k < n; k++) {
-            if (set[k].f->part == number)
-                group[found++] = set[k];
-        }
         to->f = set[i].f;
         to->fit = &w.fit;
-        GP_TRY(hdr_sources(log, p, group, found, to));
+        GP_TRY(hdr_sources(log, p, set, n, to));
         for (int k = 0; k < to->img.sources; k++) {
             const struct gp_exr_source *s = &to->img.source[k];
             if (s->data && loses(p->compression, s->type, s->name) &&
@@ -623,7 +621,6 @@ out:
     for (int i = 0; i < w.parts; i++)
         free_part(&w.part[i]);
     gp_free(w.part);
-    gp_free(group);
     return st;
 }
 
