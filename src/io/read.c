@@ -375,23 +375,6 @@ gp_status gp_members_frame(const struct gp_log *log,
     return gp_read_stream(log, p, name, &view, out);
 }
 
-// -- names of what was read ---------------------------------------------------
-
-void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
-{
-    const struct gp_input *const in = gp_input_of(f);
-    const char *const colour = gp_frame_colour(f);
-    const char *const name = colour ? colour : "";
-    *out = (struct gp_taken) {0};
-    if (f->parts > 1)
-        snprintf(out->part, sizeof out->part, "%d", f->part);
-    const size_t dot = gp_layer_length(name);
-    if (in)
-        gp_exr_taken(in, f->part, name, out);
-    else if (dot > 0)
-        snprintf(out->layer, sizeof out->layer, "%.*s", (int) dot - 1, name);
-}
-
 // -- the alpha of a picture ---------------------------------------------------
 
 static gp_status take_alpha(const struct gp_log *log,

@@ -138,25 +138,31 @@ const char *gp_exr_view_of(const struct gp_input *in, int part,
     return i > 0 ? view[i] : NULL;
 }
 
-void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
-                  struct gp_taken *out)
+void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
 {
-    const char *const name = gp_exr_part_name(in, part);
-    const char *view = gp_exr_part_view(in, part);
+    const struct gp_input *const in = gp_input_of(f);
+    const char *colour = gp_frame_colour(f), *part = NULL, *view = NULL;
     char bare[GP_CHANNEL_NAME + 1];
-    snprintf(bare, sizeof bare, "%s", channel);
-    if (in->parts > 1 && name)
-        snprintf(out->part, sizeof out->part, "%s", name);
-    if (!view) {
-        view = gp_exr_view_of(in, part, channel);
-        if (view)
-            (void) gp_exr_bare_name(in, part, view, channel, bare);
+    *out = (struct gp_taken) {0};
+    colour = colour ? colour : "";
+    if (in) {
+        part = in->parts > 1 ? gp_exr_part_name(in, f->part) : NULL;
+        view = gp_exr_part_view(in, f->part);
     }
+    if (in && !view) {
+        view = gp_exr_view_of(in, f->part, colour);
+        if (view && gp_exr_bare_name(in, f->part, view, colour, bare))
+            colour = bare;
+    }
+    if (part)
+        snprintf(out->part, sizeof out->part, "%s", part);
+    else if (f->parts > 1)
+        snprintf(out->part, sizeof out->part, "%d", f->part);
     if (view)
         snprintf(out->view, sizeof out->view, "%s", view);
-    const size_t dot = gp_layer_length(bare);
+    const size_t dot = gp_layer_length(colour);
     if (dot > 0)
-        snprintf(out->layer, sizeof out->layer, "%.*s", (int) dot - 1, bare);
+        snprintf(out->layer, sizeof out->layer, "%.*s", (int) dot - 1, colour);
 }
 
 gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,

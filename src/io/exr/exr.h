@@ -100,12 +100,6 @@ const char *gp_exr_view_of(const struct gp_input *in, int part,
 GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
     const struct gp_input *in, int part, const char *view, const char ***out);
 
-/* Writes part (where there are several), layer and view of the colour with a
- * channel of that name, as --part, --layer-in and --views take them, to *out;
- * leaves those that it has not. */
-void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
-                  struct gp_taken *out);
-
 /* The layers that cryptomatte's attributes name, of all parts; none for an
  * input that is NULL or not EXR. */
 void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
@@ -183,18 +177,10 @@ GP_MUST_CHECK gp_status gp_read_exr(const struct gp_log *log,
 
 /* -- out ------------------------------------------------------------------ */
 
-/* gp_write_picture(), gp_write_parts() and gp_write_hdr() once `path` is
- * checked. */
-GP_MUST_CHECK gp_status gp_exr_write_picture(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_write_stats *stats);
-GP_MUST_CHECK gp_status gp_exr_write_parts(
+/* gp_write_picture() once `path` is checked. */
+GP_MUST_CHECK gp_status gp_exr_write_picture(
     const struct gp_log *log, const struct gp_write_params *p, const char *path,
-    const struct gp_frame *f, const char *const *name,
-    const struct gp_planes *part, int n, struct gp_write_stats *stats);
-GP_MUST_CHECK gp_status gp_exr_write_hdr(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path,
-    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats);
+    const struct gp_frame *f, const struct gp_planes *planes,
+    enum gp_picture_kind kind, struct gp_write_stats *stats);
 
 #endif

@@ -562,11 +562,11 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
     return write_layers(&w, f, NULL, planes, 1, stats);
 }
 
-gp_status gp_exr_write_parts(const struct gp_log *log,
-                             const struct gp_write_params *p, const char *path,
-                             const struct gp_frame *f, const char *const *name,
-                             const struct gp_planes *part, int n,
-                             struct gp_write_stats *stats)
+gp_status gp_write_parts(const struct gp_log *log,
+                         const struct gp_write_params *p, const char *path,
+                         const struct gp_frame *f, const char *const *name,
+                         const struct gp_planes *part, int n,
+                         struct gp_write_stats *stats)
 {
     struct writing w = {
         .log = log,
@@ -574,14 +574,16 @@ gp_status gp_exr_write_parts(const struct gp_log *log,
         .path = path,
         .kept = GP_EXR_KEEP_SCENE,
     };
-    return write_layers(&w, f, name, part, n, stats);
+    const gp_status st = gp_write_hdr_check(log, p, GP_PARTS_KEEP, path);
+    return st ? st : write_layers(&w, f, name, part, n, stats);
 }
 
 /* -- --hdr: the frame as it came in, with glare --------------------------- */
 
-gp_status gp_exr_write_hdr(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path,
-    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
+gp_status gp_write_hdr(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const struct gp_hdr_colour *set, int n,
+                       struct gp_write_stats *stats)
 {
     const struct gp_input *const in = gp_input_of(set[0].f);
     struct writing w = {
@@ -590,6 +592,7 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
     };
     struct gp_crypto crypto;
     gp_status st;
+    GP_TRY(gp_write_hdr_check(log, p, GP_HDR_KEEPS, path));
     const int parts = in ? in->parts : 1;
     GP_TRY(gp_alloc_zero(log, "parts", (size_t) parts, sizeof *w.part,
                          &w.part));
