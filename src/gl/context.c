@@ -118,28 +118,20 @@ const struct gp_gl_system gp_gl_osmesa = {
 
 enum { MAX_DEVICES = 16 };
 
-/* X(type, field, name); the extension functions come by GetProcAddress. */
+/* X(name without "egl"); the extensions' functions come by GetProcAddress. */
+// clang-format off
 #define EGL_FUNCTIONS(X)                                                      \
-    X(PFNEGLBINDAPIPROC, bind_api, "eglBindAPI")                              \
-    X(PFNEGLCHOOSECONFIGPROC, choose_config, "eglChooseConfig")               \
-    X(PFNEGLCREATECONTEXTPROC, create_context, "eglCreateContext")            \
-    X(PFNEGLDESTROYCONTEXTPROC, destroy_context, "eglDestroyContext")         \
-    X(PFNEGLINITIALIZEPROC, initialize, "eglInitialize")                      \
-    X(PFNEGLMAKECURRENTPROC, make_current, "eglMakeCurrent")                  \
-    X(PFNEGLQUERYSTRINGPROC, query_string, "eglQueryString")
+    X(BindAPI) X(ChooseConfig) X(CreateContext) X(DestroyContext)             \
+    X(GetProcAddress) X(Initialize) X(MakeCurrent) X(QueryString)
+// clang-format on
 
-struct egl_functions {
-#define FIELD(type, field, name) type field;
+struct egl {
+#define FIELD(name) __typeof__(egl##name) *name;
     EGL_FUNCTIONS(FIELD)
 #undef FIELD
-    PFNEGLGETPROCADDRESSPROC proc;
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_display;  // may be NULL
     PFNEGLQUERYDEVICESEXTPROC query_devices;      // may be NULL
     PFNEGLQUERYDEVICESTRINGEXTPROC device_string; // may be NULL
-};
-
-struct egl {
-    struct egl_functions f;
     EGLDisplay display;
     EGLContext context;
 };
@@ -168,26 +160,25 @@ static bool try_display(struct egl *e, EGLDisplay display)
         EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
         EGL_NONE};
     static const EGLint any[] = {EGL_NONE};
-    const struct egl_functions *const f = &e->f;
     EGLConfig config;
     EGLint configs = 0;
-    if (display == EGL_NO_DISPLAY || !f->initialize(display, NULL, NULL) ||
-        !has(f->query_string(display, EGL_EXTENSIONS),
+    if (display == EGL_NO_DISPLAY || !e->Initialize(display, NULL, NULL) ||
+        !has(e->QueryString(display, EGL_EXTENSIONS),
              "EGL_KHR_surfaceless_context") ||
-        !f->bind_api(EGL_OPENGL_API) ||
-        !f->choose_config(display, wanted, &config, 1, &configs) || configs < 1)
+        !e->BindAPI(EGL_OPENGL_API) ||
+        !e->ChooseConfig(display, wanted, &config, 1, &configs) || configs < 1)
         return false;
     e->display = display;
-    e->context = f->create_context(display, config, EGL_NO_CONTEXT, core);
+    e->context = e->CreateContext(display, config, EGL_NO_CONTEXT, core);
     if (!e->context)
-        e->context = f->create_context(display, config, EGL_NO_CONTEXT, any);
+        e->context = e->CreateContext(display, config, EGL_NO_CONTEXT, any);
     return e->context != EGL_NO_CONTEXT;
 }
 
 static gp_status find_display(const struct gp_log *log, struct egl *e)
 {
-    const char *extensions = e->f.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-    if (!e->f.get_display || !extensions)
+    const char *extensions = e->QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    if (!e->get_display || !extensions)
         return gp_fail_at(log, GP_ERR_GL, "layer.gl.egl",
                           "EGL: no platform extensions (needs EGL 1.5 or "
                           "EGL_EXT_platform_base); install the Debian package "
@@ -199,19 +190,19 @@ static gp_status find_display(const struct gp_log *log, struct egl *e)
     if (!has(extensions, "EGL_EXT_platform_device") ||
         !(has(extensions, "EGL_EXT_device_base") ||
           has(extensions, "EGL_EXT_device_enumeration")) ||
-        !e->f.query_devices || !e->f.device_string ||
-        !e->f.query_devices(MAX_DEVICES, device, &devices))
+        !e->query_devices || !e->device_string ||
+        !e->query_devices(MAX_DEVICES, device, &devices))
         devices = 0;
     for (EGLint i = 0; i < devices; i++) {
-        const char *text = e->f.device_string(device[i], EGL_EXTENSIONS);
+        const char *text = e->device_string(device[i], EGL_EXTENSIONS);
         if (text && !has(text, "EGL_MESA_device_software") &&
-            try_display(e, e->f.get_display(EGL_PLATFORM_DEVICE_EXT,
-                                            device[i], NULL)))
+            try_display(
+                e, e->get_display(EGL_PLATFORM_DEVICE_EXT, device[i], NULL)))
             return GP_OK;
     }
     if (has(extensions, "EGL_MESA_platform_surfaceless") &&
-        try_display(e, e->f.get_display(EGL_PLATFORM_SURFACELESS_MESA,
-                                        EGL_DEFAULT_DISPLAY, NULL)))
+        try_display(e, e->get_display(EGL_PLATFORM_SURFACELESS_MESA,
+                                      EGL_DEFAULT_DISPLAY, NULL)))
         return GP_OK;
     return gp_fail_at(log, GP_ERR_GL, "layer.gl.egl",
                       "EGL: cannot make a context, neither on a GPU device nor "
@@ -223,7 +214,7 @@ static void close_egl(void *window)
 {
     struct egl *e = window;
     if (e->context)
-        e->f.destroy_context(e->display, e->context);
+        e->DestroyContext(e->display, e->context);
     gp_free(e);
 }
 
@@ -234,21 +225,19 @@ static gp_status open_egl(const struct gp_log *log, void *library,
     gp_status st = gp_alloc_zero(log, "EGL context", 1, sizeof *e, &e);
     if (st)
         return st;
-    struct egl_functions *const f = &e->f;
-    f->proc = (PFNEGLGETPROCADDRESSPROC) dlsym(library, "eglGetProcAddress");
-#define LOAD(type, field, name)                                               \
-    f->field = (type) dlsym(library, name);                                   \
-    if (!f->field || !f->proc)                                                \
+#define LOAD(name)                                                            \
+    e->name = (__typeof__(egl##name) *) dlsym(library, "egl" #name);          \
+    if (!e->name)                                                             \
         GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.gl.egl",                     \
-                          "EGL: " name " is missing; install the Debian "     \
+                          "EGL: egl" #name " is missing; install the Debian " \
                           "packages libegl1 and libegl-mesa0"));
     EGL_FUNCTIONS(LOAD)
 #undef LOAD
-    f->get_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC) f->proc(
+    e->get_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC) e->GetProcAddress(
         "eglGetPlatformDisplayEXT");
-    f->query_devices = (PFNEGLQUERYDEVICESEXTPROC) f->proc(
-        "eglQueryDevicesEXT");
-    f->device_string = (PFNEGLQUERYDEVICESTRINGEXTPROC) f->proc(
+    e->query_devices =
+        (PFNEGLQUERYDEVICESEXTPROC) e->GetProcAddress("eglQueryDevicesEXT");
+    e->device_string = (PFNEGLQUERYDEVICESTRINGEXTPROC) e->GetProcAddress(
         "eglQueryDeviceStringEXT");
     GP_TRY(find_display(log, e));
     *window = e;
@@ -261,22 +250,21 @@ out:
 static bool egl_make_current(void *window)
 {
     struct egl *e = window;
-    return e->f.bind_api(EGL_OPENGL_API) &&
-           e->f.make_current(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
-                             e->context);
+    return e->BindAPI(EGL_OPENGL_API) &&
+           e->MakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
+                          e->context);
 }
 
 static void egl_release(void *window)
 {
     struct egl *e = window;
-    e->f.make_current(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
-                      EGL_NO_CONTEXT);
+    e->MakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
 
 static void (*egl_proc(void *window, const char *name))(void)
 {
     struct egl *e = window;
-    return e->f.proc(name);
+    return e->GetProcAddress(name);
 }
 
 const struct gp_gl_system gp_gl_egl = {
@@ -349,11 +337,6 @@ gp_status gp_gl_use(const struct gp_log *log, const struct gp_gl *gl)
     return GP_OK;
 }
 
-bool gp_gl_reach(const struct gp_gl *gl)
-{
-    return gp_gl_use(NULL, gl) == GP_OK;
-}
-
 /* -- opening --------------------------------------------------------------- */
 
 /* Refuses a GL under 4.5 or of no version; sets the name in messages. */
@@ -368,10 +351,8 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     const char *version = (const char *) get(GL_VERSION);
     const char *renderer = (const char *) get(GL_RENDERER);
     // "4.5 (Core Profile) Mesa 22.3.6"
-    char *dot = NULL, *end = NULL;
-    const long major = version ? strtol(version, &dot, 10) : 0;
-    const long minor = dot && *dot == '.' ? strtol(dot + 1, &end, 10) : -1;
-    if (major < 1 || major > 99 || minor < 0 || minor > 9 || end == dot + 1 ||
+    int major = 0, minor = 0;
+    if (!version || sscanf(version, "%2d.%1d", &major, &minor) < 2 ||
         major * 10 + minor < GL_NEED)
         return gp_fail_at(log, GP_ERR_GL, "layer.engine",
                           "%s: needs OpenGL 4.5 (found %s); install a newer "
@@ -411,12 +392,14 @@ static gp_status open_system(const struct gp_log *log,
     GP_TRY(system->open(log, library, &gl->window));
     GP_TRY(gp_gl_use(log, gl));
     GP_TRY(check_version(log, gl));
-#define LOAD(type, function)                                                  \
-    gl->f.function = (type) system->proc(gl->window, "gl" #function);         \
-    if (!gl->f.function)                                                      \
-        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.engine",                     \
-                          "%s: gl" #function " is missing; install a newer "  \
-                          "Mesa or driver", gl->info.name));
+#define LOAD(function)                                                         \
+    gl->f.function =                                                           \
+        (__typeof__(gl##function) *) system->proc(gl->window, "gl" #function); \
+    if (!gl->f.function)                                                       \
+        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.engine",                      \
+                          "%s: gl" #function " is missing; install a newer "   \
+                          "Mesa or driver",                                    \
+                          gl->info.name));
     GP_GL_FUNCTIONS(LOAD)
 #undef LOAD
 
@@ -430,16 +413,13 @@ static gp_status open_system(const struct gp_log *log,
     f->GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &gl->info.max_block);
     f->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &gl->info.max_texel_buffer);
 
-    // state for the context's whole life: what this program draws has no dither,
-    // its nearest fragments have the highest depth, and its rows are packed
+    // state for the context's whole life, other than GL's own: no dither, light
+    // is added, rows of 16-bit codes are packed
     f->CreateVertexArrays(1, &gl->vertex_array);
     f->BindVertexArray(gl->vertex_array);
     f->Disable(GL_DITHER);
-    f->Disable(GL_DEPTH_TEST);
-    f->Disable(GL_CULL_FACE);
     f->BlendFunc(GL_ONE, GL_ONE);
-    f->PixelStorei(GL_PACK_ALIGNMENT, 4);
-    f->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    f->PixelStorei(GL_UNPACK_ALIGNMENT, 2);
     find_counts(gl);
     GP_TRY(gp_gl_check(log, gl, "setting up the context"));
     *out = gl;
@@ -477,7 +457,7 @@ void gp_gl_close(struct gp_gl **gl)
     if (!g)
         return;
     if (g->window) {
-        if (g->vertex_array && gp_gl_reach(g)) {
+        if (g->vertex_array && gp_gl_use(NULL, g) == GP_OK) {
             g->f.DeleteVertexArrays(1, &g->vertex_array);
             g->f.DeleteQueries(1, &g->query); // GL ignores name 0
         }

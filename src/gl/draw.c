@@ -5,40 +5,28 @@
 
 /* -- textures -------------------------------------------------------------- */
 
-static gp_status check_size(const struct gp_log *log, const struct gp_gl *gl,
-                            const char *what, int w, int h)
-{
-    const int limit = gl->info.max_size;
-    if (w >= 1 && h >= 1 && w <= limit && h <= limit)
-        return GP_OK;
-    return gp_fail_bare_at(log, GP_ERR_GL, "layer.engine",
-                           "%s: %s: %dx%d texels do not fit into a texture "
-                           "(1x1 to %dx%d do)", gl->info.name, what, w, h,
-                           limit, limit);
-}
-
 gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
     const char *what, enum gp_texel kind, int w, int h, struct gp_texture *out)
 {
-    gp_status st = check_size(log, gl, what, w, h);
-    if (st)
-        return st;
     static const GLenum format[] = {
         [GP_TEXEL_FLOAT] = GL_RGBA32F, [GP_TEXEL_BYTE] = GL_RGBA8,
         [GP_TEXEL_CODE] = GL_R16UI, [GP_TEXEL_DEPTH] = GL_DEPTH_COMPONENT32F,
     };
-    struct gp_texture t = {.w = w, .h = h};
-    gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t.id);
-    gl->f.TextureStorage2D(t.id, 1, format[kind], w, h);
-    gl->f.TextureParameteri(t.id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->f.TextureParameteri(t.id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl->f.TextureParameteri(t.id, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl->f.TextureParameteri(t.id, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    st = gp_gl_check(log, gl, what);
+    const int limit = gl->info.max_size;
+    if (!(w >= 1 && h >= 1 && w <= limit && h <= limit))
+        return gp_fail_bare_at(log, GP_ERR_GL, "layer.engine",
+                               "%s: %s: %dx%d texels do not fit into a texture "
+                               "(1x1 to %dx%d do)",
+                               gl->info.name, what, w, h, limit, limit);
+    *out = (struct gp_texture) {.w = w, .h = h};
+    gl->f.CreateTextures(GL_TEXTURE_2D, 1, &out->id);
+    gl->f.TextureStorage2D(out->id, 1, format[kind], w, h);
+    // shaders fetch texels, but whole numbers are complete without filters only
+    gl->f.TextureParameteri(out->id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->f.TextureParameteri(out->id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    const gp_status st = gp_gl_check(log, gl, what);
     if (st)
-        gp_texture_free(gl, &t);
-    else
-        *out = t;
+        gp_texture_free(gl, out);
     return st;
 }
 
@@ -52,15 +40,13 @@ void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,
 void gp_texture_write_codes(const struct gp_gl *gl, const struct gp_texture *t,
                             const uint16_t *code)
 {
-    gl->f.PixelStorei(GL_UNPACK_ALIGNMENT, 2);
     gl->f.TextureSubImage2D(t->id, 0, 0, 0, t->w, t->h, GL_RED_INTEGER,
                             GL_UNSIGNED_SHORT, code);
-    gl->f.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
 
 void gp_texture_free(const struct gp_gl *gl, struct gp_texture *t)
 {
-    if (t->id && gp_gl_reach(gl))
+    if (t->id && gp_gl_use(NULL, gl) == GP_OK)
         gl->f.DeleteTextures(1, &t->id);
     *t = (struct gp_texture) {0};
 }
@@ -72,11 +58,7 @@ gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
                          int h, struct gp_target *out)
 {
     const bool deep = kind == GP_TEXEL_DEPTH;
-    static const GLenum buffers[GP_ATTACHMENTS] = {
-        GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
-        GL_COLOR_ATTACHMENT3, GL_COLOR_ATTACHMENT4, GL_COLOR_ATTACHMENT5,
-        GL_COLOR_ATTACHMENT6, GL_COLOR_ATTACHMENT7,
-    };
+    GLenum buffers[GP_ATTACHMENTS], state;
     struct gp_target t = {.w = w, .h = h};
     gp_status st;
     gl->f.CreateFramebuffers(1, &t.framebuffer);
@@ -84,6 +66,7 @@ gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
         struct gp_texture *to = t.n ? &t.more[t.n - 1] : &t.colour;
         GP_TRY(gp_texture_make(log, gl, what, deep ? GP_TEXEL_FLOAT : kind, w,
                                h, to));
+        buffers[t.n] = GL_COLOR_ATTACHMENT0 + (GLenum) t.n;
         gl->f.NamedFramebufferTexture(t.framebuffer, buffers[t.n], to->id, 0);
     }
     gl->f.NamedFramebufferDrawBuffers(t.framebuffer, n, buffers);
@@ -92,18 +75,16 @@ gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
         gl->f.NamedFramebufferTexture(t.framebuffer, GL_DEPTH_ATTACHMENT,
                                       t.depth.id, 0);
     }
-    GLenum state = gl->f.CheckNamedFramebufferStatus(t.framebuffer,
-                                                     GL_DRAW_FRAMEBUFFER);
-    if (state != GL_FRAMEBUFFER_COMPLETE) {
-        st = gp_fail_bare_at(log, GP_ERR_GL, "layer.engine",
-                             "%s: %s: the driver cannot draw to this kind of "
-                             "texture (framebuffer status 0x%04x)",
-                             gl->info.name, what, state);
-        goto out;
-    }
+    state =
+        gl->f.CheckNamedFramebufferStatus(t.framebuffer, GL_DRAW_FRAMEBUFFER);
+    if (state != GL_FRAMEBUFFER_COMPLETE)
+        GP_TRY(gp_fail_bare_at(log, GP_ERR_GL, "layer.engine",
+                               "%s: %s: the driver cannot draw to this kind of "
+                               "texture (framebuffer status 0x%04x)",
+                               gl->info.name, what, state));
     GP_TRY(gp_gl_check(log, gl, what));
     *out = t;
-    return GP_OK;
+    t = (struct gp_target) {0};
 out:
     gp_target_free(gl, &t);
     return st;
@@ -145,7 +126,7 @@ void gp_target_read_depth(const struct gp_gl *gl, const struct gp_target *t,
 
 void gp_target_free(const struct gp_gl *gl, struct gp_target *t)
 {
-    if (t->framebuffer && gp_gl_reach(gl))
+    if (t->framebuffer && gp_gl_use(NULL, gl) == GP_OK)
         gl->f.DeleteFramebuffers(1, &t->framebuffer);
     gp_texture_free(gl, &t->colour);
     for (int i = 0; i < GP_ATTACHMENTS - 1; i++)
@@ -171,19 +152,17 @@ gp_status gp_buffer_make(const struct gp_log *log, const struct gp_gl *gl,
                                "%d do)", gl->info.name, what, n,
                                block ? "uniform block" : "buffer texture",
                                limit);
-    struct gp_buffer b = {0};
-    gl->f.CreateBuffers(1, &b.id);
-    gl->f.NamedBufferStorage(b.id, (GLsizeiptr) n * ENTRY_BYTES, NULL,
+    *out = (struct gp_buffer) {0};
+    gl->f.CreateBuffers(1, &out->id);
+    gl->f.NamedBufferStorage(out->id, (GLsizeiptr) n * ENTRY_BYTES, NULL,
                              GL_DYNAMIC_STORAGE_BIT);
     if (!block) {
-        gl->f.CreateTextures(GL_TEXTURE_BUFFER, 1, &b.texture);
-        gl->f.TextureBuffer(b.texture, GL_RGBA32F, b.id);
+        gl->f.CreateTextures(GL_TEXTURE_BUFFER, 1, &out->texture);
+        gl->f.TextureBuffer(out->texture, GL_RGBA32F, out->id);
     }
-    gp_status st = gp_gl_check(log, gl, what);
+    const gp_status st = gp_gl_check(log, gl, what);
     if (st)
-        gp_buffer_free(gl, &b);
-    else
-        *out = b;
+        gp_buffer_free(gl, out);
     return st;
 }
 
@@ -196,7 +175,7 @@ void gp_buffer_write(const struct gp_gl *gl, const struct gp_buffer *b,
 
 void gp_buffer_free(const struct gp_gl *gl, struct gp_buffer *b)
 {
-    if (b->id && gp_gl_reach(gl)) {
+    if (b->id && gp_gl_use(NULL, gl) == GP_OK) {
         gl->f.DeleteTextures(1, &b->texture); // GL ignores name 0
         gl->f.DeleteBuffers(1, &b->id);
     }
@@ -286,7 +265,7 @@ gp_status gp_program_make(const struct gp_log *log, const struct gp_gl *gl,
 
 void gp_program_free(const struct gp_gl *gl, struct gp_program *p)
 {
-    if (p->id && gp_gl_reach(gl))
+    if (p->id && gp_gl_use(NULL, gl) == GP_OK)
         gl->f.DeleteProgram(p->id);
     p->id = 0;
 }

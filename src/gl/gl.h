@@ -70,7 +70,7 @@ GP_MUST_CHECK gp_status gp_gl_check(const struct gp_log *log,
  *
  * Row 0 of a texture is the first row given: images keep y down, and nothing
  * is flipped on the way in or out. All calls are for the current context;
- * `what` names the object in messages; `out` is written only on GP_OK.
+ * `what` names the object in messages; `out` is empty unless on GP_OK.
  */
 
 /* Four numbers a texel, red first; of CODE one.

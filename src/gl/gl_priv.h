@@ -5,6 +5,7 @@
 
 #include "gl/gl.h"
 
+#define GL_GLEXT_PROTOTYPES // for their types: nothing is linked
 #include <GL/glcorearb.h>
 
 /* A library that gives headless contexts. `file` lists its names, NULL ends;
@@ -25,78 +26,31 @@ struct gp_gl_system {
 extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
 
 /* The GL functions that this program calls: one list makes the table, and
- * context.c fills it by walking the same list. X(type, name without "gl") */
+ * context.c fills it by walking the same list. X(name without "gl") */
+// clang-format off
 #define GP_GL_FUNCTIONS(X)                                                    \
-    X(PFNGLATTACHSHADERPROC, AttachShader)                                    \
-    X(PFNGLBEGINQUERYPROC, BeginQuery)                                        \
-    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                \
-    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                              \
-    X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                            \
-    X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                              \
-    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                              \
-    X(PFNGLBLENDFUNCPROC, BlendFunc)                                          \
-    X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)      \
-    X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)              \
-    X(PFNGLCLIPCONTROLPROC, ClipControl)                                      \
-    X(PFNGLCOMPILESHADERPROC, CompileShader)                                  \
-    X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                  \
-    X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                        \
-    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                  \
-    X(PFNGLCREATESHADERPROC, CreateShader)                                    \
-    X(PFNGLCREATETEXTURESPROC, CreateTextures)                                \
-    X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                        \
-    X(PFNGLCULLFACEPROC, CullFace)                                            \
-    X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                  \
-    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                        \
-    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                  \
-    X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                  \
-    X(PFNGLDELETESHADERPROC, DeleteShader)                                    \
-    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                \
-    X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                        \
-    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                          \
-    X(PFNGLDEPTHMASKPROC, DepthMask)                                          \
-    X(PFNGLDISABLEPROC, Disable)                                              \
-    X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                      \
-    X(PFNGLENABLEPROC, Enable)                                                \
-    X(PFNGLENDQUERYPROC, EndQuery)                                            \
-    X(PFNGLFINISHPROC, Finish)                                                \
-    X(PFNGLGENQUERIESPROC, GenQueries)                                        \
-    X(PFNGLGETERRORPROC, GetError)                                            \
-    X(PFNGLGETINTEGERVPROC, GetIntegerv)                                      \
-    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                          \
-    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                    \
-    X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                      \
-    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                            \
-    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                      \
-    X(PFNGLGETSTRINGIPROC, GetStringi)                                        \
-    X(PFNGLGETUNIFORMBLOCKINDEXPROC, GetUniformBlockIndex)                    \
-    X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                        \
-    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                      \
-    X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                        \
-    X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                        \
-    X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers)      \
-    X(PFNGLNAMEDFRAMEBUFFERREADBUFFERPROC, NamedFramebufferReadBuffer)        \
-    X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)              \
-    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                      \
-    X(PFNGLREADPIXELSPROC, ReadPixels)                                        \
-    X(PFNGLSCISSORPROC, Scissor)                                              \
-    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                    \
-    X(PFNGLTEXTUREBUFFERPROC, TextureBuffer)                                  \
-    X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                          \
-    X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                            \
-    X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                          \
-    X(PFNGLUNIFORM1FVPROC, Uniform1fv)                                        \
-    X(PFNGLUNIFORM1IPROC, Uniform1i)                                          \
-    X(PFNGLUNIFORM2FVPROC, Uniform2fv)                                        \
-    X(PFNGLUNIFORM2IVPROC, Uniform2iv)                                        \
-    X(PFNGLUNIFORM4FVPROC, Uniform4fv)                                        \
-    X(PFNGLUNIFORMBLOCKBINDINGPROC, UniformBlockBinding)                      \
-    X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                            \
-    X(PFNGLUSEPROGRAMPROC, UseProgram)                                        \
-    X(PFNGLVIEWPORTPROC, Viewport)
+    X(AttachShader) X(BeginQuery) X(BindBufferBase) X(BindFramebuffer)        \
+    X(BindImageTexture) X(BindTextureUnit) X(BindVertexArray) X(BlendFunc)    \
+    X(CheckNamedFramebufferStatus) X(ClearNamedFramebufferfv) X(ClipControl)  \
+    X(CompileShader) X(CreateBuffers) X(CreateFramebuffers) X(CreateProgram)  \
+    X(CreateShader) X(CreateTextures) X(CreateVertexArrays) X(CullFace)       \
+    X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) X(DeleteQueries)  \
+    X(DeleteShader) X(DeleteTextures) X(DeleteVertexArrays) X(DepthFunc)      \
+    X(DepthMask) X(Disable) X(DrawArraysInstanced) X(Enable) X(EndQuery)      \
+    X(Finish) X(GenQueries) X(GetError) X(GetIntegerv) X(GetProgramInfoLog)   \
+    X(GetProgramiv) X(GetQueryObjectui64v) X(GetShaderInfoLog)                \
+    X(GetShaderiv) X(GetStringi) X(GetUniformBlockIndex)                      \
+    X(GetUniformLocation) X(LinkProgram) X(NamedBufferStorage)                \
+    X(NamedBufferSubData) X(NamedFramebufferDrawBuffers)                      \
+    X(NamedFramebufferReadBuffer) X(NamedFramebufferTexture) X(PixelStorei)   \
+    X(ReadPixels) X(Scissor) X(ShaderSource) X(TextureBuffer)                 \
+    X(TextureParameteri) X(TextureStorage2D) X(TextureSubImage2D)             \
+    X(Uniform1fv) X(Uniform1i) X(Uniform2fv) X(Uniform2iv) X(Uniform4fv)      \
+    X(UniformBlockBinding) X(UniformMatrix4fv) X(UseProgram) X(Viewport)
+// clang-format on
 
 struct gp_gl_functions {
-#define GP_GL_FIELD(type, name) type name;
+#define GP_GL_FIELD(name) __typeof__(gl##name) *name;
     GP_GL_FUNCTIONS(GP_GL_FIELD)
 #undef GP_GL_FIELD
 };
@@ -109,11 +63,6 @@ struct gp_gl {
     GLuint query;        // of gp_count_begin(); 0: the driver counts nothing
     struct gp_gl_info info;
 };
-
-/* Makes `gl` current before its objects are deleted, as another context may
- * have objects of the same names. False where the system refuses it; objects
- * end with their context anyway. */
-bool gp_gl_reach(const struct gp_gl *gl);
 
 /* The files of src/gl/shaders, byte for byte; the Makefile makes the list. */
 struct gp_shader_file {

@@ -89,7 +89,7 @@ static void osmesa_refuses(void **state)
 
 static void missing_functions_are_named(void **state)
 {
-#define NAME(type, function) "gl" #function,
+#define NAME(function) "gl" #function,
     static const char *const names[] = {"glGetString", GP_GL_FUNCTIONS(NAME)};
 #undef NAME
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
