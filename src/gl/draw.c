@@ -13,11 +13,14 @@ gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
         [GP_TEXEL_CODE] = GL_R16UI, [GP_TEXEL_DEPTH] = GL_DEPTH_COMPONENT32F,
     };
     const int limit = gl->info.max_size;
+    if (out->id && out->w >= w && out->h >= h)
+        return GP_OK;
     if (!(w >= 1 && h >= 1 && w <= limit && h <= limit))
         return gp_fail_bare_at(log, GP_ERR_GL, "layer.engine",
                                "%s: %s: %dx%d texels do not fit into a texture "
                                "(1x1 to %dx%d do)",
                                gl->info.name, what, w, h, limit, limit);
+    gp_texture_free(gl, out);
     *out = (struct gp_texture) {.w = w, .h = h};
     gl->f.CreateTextures(GL_TEXTURE_2D, 1, &out->id);
     gl->f.TextureStorage2D(out->id, 1, format[kind], w, h);
@@ -61,6 +64,9 @@ gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
     GLenum buffers[GP_ATTACHMENTS], state;
     struct gp_target t = {.w = w, .h = h};
     gp_status st;
+    if (out->framebuffer && out->w >= w && out->h >= h)
+        return GP_OK;
+    gp_target_free(gl, out);
     gl->f.CreateFramebuffers(1, &t.framebuffer);
     for (; t.n < n; t.n++) {
         struct gp_texture *to = t.n ? &t.more[t.n - 1] : &t.colour;
@@ -256,6 +262,8 @@ gp_status gp_program_make(const struct gp_log *log, const struct gp_gl *gl,
                           const char *frag, struct gp_program *out)
 {
     const struct gp_shader_file *v = find_file(vert), *f = find_file(frag);
+    if (out->id)
+        return GP_OK;
     if (!v || !f)
         return gp_fail(log, GP_ERR_BUG,
                        "%s: no such shader file in this build; report this",

@@ -70,7 +70,9 @@ GP_MUST_CHECK gp_status gp_gl_check(const struct gp_log *log,
  *
  * Row 0 of a texture is the first row given: images keep y down, and nothing
  * is flipped on the way in or out. All calls are for the current context;
- * `what` names the object in messages; `out` is empty unless on GP_OK.
+ * `what` names the object in messages. What is made goes to `out`, which is zero
+ * or from such a call before: one of the kind and, of textures and targets, as
+ * large or larger is kept. After an error it is as it was, or empty.
  */
 
 /* Four numbers a texel, red first; of CODE one.
@@ -177,8 +179,8 @@ struct gp_program {
 /* Compiles and links two files of src/gl/shaders. The driver gets "#version
  * 450 core", `defines` ("" or lines such as "#define COLOUR\n": one file can
  * so be several programs), common.glsl, and the file from "#line 1" on, so
- * that its messages point at the file.
- *   out  written only on GP_OK; free with gp_program_free()
+ * that its messages point at the file. Free with gp_program_free(); one that is made
+ * is kept.
  * Errors: GP_ERR_BUG no such file; GP_ERR_GL with the driver's log. */
 GP_MUST_CHECK gp_status gp_program_make(const struct gp_log *log,
     const struct gp_gl *gl, const char *defines, const char *vert,

@@ -355,9 +355,8 @@ gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
                             : gp_gl_open(log, suns->api, &suns->gl);
     if (st)
         return st;
-    return (p->method == GLAREPP_MASK ? gp_sun_mask : gp_sun_readback)(
-        log, suns->gl, &suns->occluders, p, suns->light, suns->n,
-        &suns->map);
+    return gp_sun_by_gl(log, suns->gl, &suns->occluders, p, suns->light,
+                        suns->n, &suns->map);
 }
 
 double gp_suns_mean(const struct gp_suns *suns)
@@ -388,10 +387,8 @@ void gp_suns_end_frame(struct gp_suns *suns)
 void gp_suns_close(struct gp_suns *suns)
 {
     gp_suns_end_frame(suns);
-    if (suns->map)
-        gp_sun_map_close(suns->gl, &suns->map);
-    if (suns->gl)
-        gp_gl_close(&suns->gl);
+    gp_sun_map_close(suns->gl, &suns->map);
+    gp_gl_close(&suns->gl);
     gp_flare_free(&suns->flare);
     gp_camera_file_free(&suns->cameras);
     gp_free(suns->read);

@@ -50,7 +50,7 @@ struct gp_suns {
     bool warned_clear;          // warned that nothing hides the lights
     bool warned_window;         // warned that a plane does not cover the frame
     struct gp_gl *gl;
-    struct gp_sun_map *map;
+    struct gp_sun_map map;
     // of the frame
     struct gp_suns_more more;   // set by the caller, before gp_suns_find()
     struct gp_occluders occluders;

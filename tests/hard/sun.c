@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 #include "gl/gl.h"
-#include "sun/mask/mask_priv.h"
+#include "sun/mask/mask.h"
 
 enum { MODES = 3, PATTERNS = 2 };
 
@@ -59,7 +59,7 @@ static const struct hard_column columns[WAYS + 1] = {
 
 static struct {
     struct gp_gl *gl;
-    struct gp_sun_map *map;
+    struct gp_sun_map map;
 } machine;
 
 static void must(gp_status st, const char *what)
@@ -73,8 +73,10 @@ static void draw_light(const struct gp_occluders *o,
                        struct gp_light *l, const char *what)
 {
     l->visibility = -1.0; // must be written
-    must((way == READBACK ? gp_sun_readback : gp_sun_mask)(
-             &kept_log, machine.gl, o, p, l, 1, &machine.map), what);
+    struct glarepp_light_params own = *p;
+    own.method = way == READBACK ? GLAREPP_READBACK : GLAREPP_MASK;
+    must(gp_sun_by_gl(&kept_log, machine.gl, o, &own, l, 1, &machine.map),
+         what);
 }
 
 /* All GL methods of one light, into the largest errors. */

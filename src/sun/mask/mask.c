@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Maughan's texture masking on GL, and the paper's other method: drawing,
  * reading back, and the plain form on the CPU. */
-#include "sun/mask/mask_priv.h"
+#include "sun/mask/mask.h"
 
 #include "core/maths.h"
 #include "core/memory.h"
@@ -16,9 +16,6 @@ enum {
     K_MAX = 16,       // samples along a texel's side
     POINTS = 16,      // along a map's side, of sums in 8 bits
 };
-
-/* In the order of struct gp_sun_map. */
-enum program { MAPS, PIXELS, SUMS, SUMS_BYTE };
 
 /* Place on the scale of depth of a pixel without surface, and of a light
  * beyond everything; surfaces are under it. Known to sun_map.frag as EMPTY. */
@@ -225,56 +222,18 @@ out:
 
 // -- state on a context ------------------------------------------------------
 
-void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state)
+void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map *s)
 {
-    struct gp_sun_map *const s = *state;
-    if (!s)
-        return;
-    for (int i = 0; i < 4; i++)
-        gp_program_free(gl, &s->program[i]);
+    gp_program_free(gl, &s->draws_maps);
+    gp_program_free(gl, &s->draws_pixels);
     gp_texture_free(gl, &s->pixels);
     gp_texture_free(gl, &s->lights);
     gp_target_free(gl, &s->atlas);
     gp_target_free(gl, &s->region);
-    gp_target_free(gl, &s->sums[false]);
-    gp_target_free(gl, &s->sums[true]);
-    GP_FREE(*state);
-}
-
-static gp_status use_program(const struct gp_log *log, const struct gp_gl *gl,
-                             struct gp_sun_map *s, enum program which)
-{
-    static const char *const files[][3] = {
-        [MAPS] = {"", "sun_map.vert", "sun_map.frag"},
-        [PIXELS] = {"#define PIXELS\n", "sun_map.vert", "sun_map.frag"},
-        [SUMS] = {"", "sun_point.vert", "sun_point.frag"},
-        [SUMS_BYTE] = {"#define BYTE\n", "sun_point.vert", "sun_point.frag"},
-    };
-    return s->program[which].id ? GP_OK
-                                : gp_program_make(log, gl, files[which][0],
-                                                  files[which][1],
-                                                  files[which][2],
-                                                  &s->program[which]);
-}
-
-static gp_status fit_texture(const struct gp_log *log, const struct gp_gl *gl,
-                             const char *what, int w, int h,
-                             struct gp_texture *t)
-{
-    if (t->w == w && t->h >= h)
-        return GP_OK;
-    gp_texture_free(gl, t);
-    return gp_texture_make(log, gl, what, GP_TEXEL_FLOAT, w, h, t);
-}
-
-static gp_status fit_target(const struct gp_log *log, const struct gp_gl *gl,
-                            const char *what, enum gp_texel kind, int w, int h,
-                            struct gp_target *t)
-{
-    if (t->w >= w && t->h >= h)
-        return GP_OK;
-    gp_target_free(gl, t);
-    return gp_target_make(log, gl, what, kind, 1, w, h, t);
+    for (int bytes = 0; bytes < 2; bytes++) {
+        gp_program_free(gl, &s->adds_up[bytes]);
+        gp_target_free(gl, &s->sums[bytes]);
+    }
 }
 
 /* Rows of `wide` texels that the pixels of r fill, two a texel. */
@@ -306,7 +265,7 @@ static gp_status upload(const struct gp_log *log, const struct gp_gl *gl,
     enum { EXACT_IN_FLOAT = 1 << 24 };
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const int most = gp_gl_info(gl)->max_size;
-    int wide = gp_min(most, NARROW) / 2;
+    int wide = gp_max(gp_min(most, NARROW), s->pixels.w) / 2;
     double rows;
     float *rgba = NULL;
     gp_status st;
@@ -322,8 +281,8 @@ static gp_status upload(const struct gp_log *log, const struct gp_gl *gl,
                                "of %dx%d do not fit into a texture (the limit "
                                "is %dx%d texels)", n, w, h, wide, most);
     rows = fmax(rows, 1.0);
-    GP_TRY(fit_texture(log, gl, "pixels under the lights", wide, (int) rows,
-                       &s->pixels));
+    GP_TRY(gp_texture_make(log, gl, "pixels under the lights", GP_TEXEL_FLOAT,
+                           wide, (int) rows, &s->pixels));
     GP_TRY(gp_alloc_zero(log, "pixels under the lights",
                          (size_t) rows * (size_t) wide, 4 * sizeof *rgba,
                          &rgba));
@@ -339,18 +298,16 @@ out:
     return st;
 }
 
-/* Makes *state, and writes lights and pixels of a frame. */
-static gp_status begin_frame(const struct gp_log *log, const struct gp_gl *gl,
-                             const struct gp_occluders *o, struct spot *spot,
-                             int n, struct gp_sun_map **state)
+/* Writes n lights. */
+static gp_status upload_lights(const struct gp_log *log, const struct gp_gl *gl,
+                               const struct spot *spot, int n,
+                               struct gp_texture *to)
 {
     float row[GP_LIGHTS_MAX][4 * LIGHT_TEXELS] = {0};
-    gp_status st = GP_OK;
-    if (!*state)
-        GP_TRY(gp_alloc_zero(log, "sun map", 1, sizeof **state, state));
-    struct gp_sun_map *const s = *state;
-    GP_TRY(upload(log, gl, o, spot, n, s));
-    GP_TRY(fit_texture(log, gl, "lights", LIGHT_TEXELS, n, &s->lights));
+    const gp_status st =
+        gp_texture_make(log, gl, "lights", GP_TEXEL_FLOAT, LIGHT_TEXELS, n, to);
+    if (st)
+        return st;
     for (int i = 0; i < n; i++) {
         const struct spot *const l = &spot[i];
         const int whole[6] = {l->k, 0, l->box.x0, l->box.y0,
@@ -363,10 +320,8 @@ static gp_status begin_frame(const struct gp_log *log, const struct gp_gl *gl,
         row[i][7] = l->limit;
         memcpy(row[i] + 12, l->outside, sizeof l->outside);
     }
-    gp_texture_write(gl, &s->lights, (struct gp_rect) {0, 0, LIGHT_TEXELS, n},
-                     row[0]);
-out:
-    return st;
+    gp_texture_write(gl, to, (struct gp_rect) {0, 0, LIGHT_TEXELS, n}, row[0]);
+    return GP_OK;
 }
 
 // -- texture masking ---------------------------------------------------------
@@ -385,10 +340,11 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
             "sun map: %d maps of %dx%d texels do not fit into a texture (the "
             "limit is %d texels wide and high, and %d in all)", n, p->side,
             p->side, limit, MOST);
-    gp_status st = fit_target(log, gl, "sun maps", GP_TEXEL_FLOAT, w, h,
-                              &s->atlas);
+    gp_status st =
+        gp_target_make(log, gl, "sun maps", GP_TEXEL_FLOAT, 1, w, h, &s->atlas);
     if (!st)
-        st = use_program(log, gl, s, MAPS);
+        st = gp_program_make(log, gl, "", "sun_map.vert", "sun_map.frag",
+                             &s->draws_maps);
     if (st)
         return st;
     const struct gp_uniform uniform[] = {
@@ -401,8 +357,13 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
         {0},
     };
     const struct gp_draw maps = {
-        .program = &s->program[MAPS], .target = &s->atlas, .cut = {0, 0, w, h},
-        .uniform = uniform, .vertices = 6, .instances = n, .replace = true,
+        .program = &s->draws_maps,
+        .target = &s->atlas,
+        .cut = {0, 0, w, h},
+        .uniform = uniform,
+        .vertices = 6,
+        .instances = n,
+        .replace = true,
     };
     return gp_draw_run(log, gl, &maps);
 }
@@ -412,17 +373,18 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
                            const struct glarepp_light_params *p, struct gp_rect cells,
                            struct gp_sun_map *s)
 {
-    const enum program which = p->bytes ? SUMS_BYTE : SUMS;
     // in 8 bits 256 points at most, each of four texels
     const int points =
         p->bytes && p->side > POINTS ? gp_min(p->side / 2, POINTS) : p->side;
     const int count = points * points;
     struct gp_target *const to = &s->sums[p->bytes];
-    gp_status st = fit_target(log, gl, "intensity map",
-                              p->bytes ? GP_TEXEL_BYTE : GP_TEXEL_FLOAT, cells.x1,
-                              cells.y1, to);
+    gp_status st = gp_target_make(log, gl, "intensity map",
+                                  p->bytes ? GP_TEXEL_BYTE : GP_TEXEL_FLOAT, 1,
+                                  cells.x1, cells.y1, to);
     if (!st)
-        st = use_program(log, gl, s, which);
+        st = gp_program_make(log, gl, p->bytes ? "#define BYTE\n" : "",
+                             "sun_point.vert", "sun_point.frag",
+                             &s->adds_up[p->bytes]);
     if (st)
         return st;
     struct gp_uniform uniform[] = {
@@ -438,29 +400,32 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
             .f = {256.0f / (255.0f * (float) count)},
         };
     const struct gp_draw sums = {
-        .program = &s->program[which], .target = to, .cut = cells,
-        .view = cells, .uniform = uniform, .vertices = 3, .instances = count,
+        .program = &s->adds_up[p->bytes],
+        .target = to,
+        .cut = cells,
+        .view = cells,
+        .uniform = uniform,
+        .vertices = 3,
+        .instances = count,
     };
     gp_target_clear(gl, to, cells);
     return gp_draw_run(log, gl, &sums);
 }
 
-gp_status gp_sun_mask(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct glarepp_light_params *p,
-    struct gp_light *light, int n, struct gp_sun_map **state)
+/* Both steps, read at once. */
+static gp_status by_maps(const struct gp_log *log, const struct gp_gl *gl,
+                         const struct gp_occluders *o,
+                         const struct glarepp_light_params *p,
+                         struct gp_light *light, int n, struct gp_sun_map *s)
 {
     const int columns = (int) ceil(sqrt((double) n)); // maps in the atlas
     const struct gp_rect cells = {0, 0, columns, (n + columns - 1) / columns};
-    struct spot spot[GP_LIGHTS_MAX];
     float sum[GP_LIGHTS_MAX][4];
     gp_status st;
-    for (int i = 0; i < n; i++)
-        spot[i] = spot_of(o, p, &light[i]);
-    GP_TRY(begin_frame(log, gl, o, spot, n, state));
-    GP_TRY(draw_maps(log, gl, o, p, cells, n, *state));
-    GP_TRY(draw_sums(log, gl, p, cells, *state));
+    GP_TRY(draw_maps(log, gl, o, p, cells, n, s));
+    GP_TRY(draw_sums(log, gl, p, cells, s));
     GP_TRY(gp_gl_check(log, gl, "sun map"));
-    gp_target_read(gl, &(*state)->sums[p->bytes], 0, cells, sum[0]);
+    gp_target_read(gl, &s->sums[p->bytes], 0, cells, sum[0]);
     GP_TRY(gp_gl_check(log, gl, "sun map"));
     for (int i = 0; i < n; i++) { // with the rests of sums in float
         const double shown = (double) sum[i][0] + (double) sum[i][2];
@@ -524,18 +489,18 @@ static double count_region(const struct spot *l, const struct gp_occluders *o,
     return weight > 0.0 ? shown / weight : 0.0;
 }
 
-gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct glarepp_light_params *p,
-    struct gp_light *light, int n, struct gp_sun_map **state)
+/* Draws and reads the region under each light. */
+static gp_status by_regions(const struct gp_log *log, const struct gp_gl *gl,
+                            const struct gp_occluders *o,
+                            const struct glarepp_light_params *p,
+                            const struct spot *spot, struct gp_light *light,
+                            int n, struct gp_sun_map *s)
 {
-    struct spot spot[GP_LIGHTS_MAX];
     float *rgba = NULL;
-    gp_status st;
-    for (int i = 0; i < n; i++)
-        spot[i] = spot_of(o, p, &light[i]);
-    GP_TRY(begin_frame(log, gl, o, spot, n, state));
-    struct gp_sun_map *const s = *state;
-    GP_TRY(use_program(log, gl, s, PIXELS));
+    gp_status st = gp_program_make(log, gl, "#define PIXELS\n", "sun_map.vert",
+                                   "sun_map.frag", &s->draws_pixels);
+    if (st)
+        return st;
     for (int i = 0; i < n; i++) {
         const struct gp_rect box = spot[i].box;
         const int w = gp_rect_w(box), h = gp_rect_h(box);
@@ -548,13 +513,18 @@ gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
             {0},
         };
         const struct gp_draw draw = {
-            .program = &s->program[PIXELS], .target = &s->region,
-            .cut = {0, 0, w, h}, .view = {0, 0, w, h}, .uniform = uniform,
-            .vertices = 6, .instances = 1, .replace = true,
+            .program = &s->draws_pixels,
+            .target = &s->region,
+            .cut = {0, 0, w, h},
+            .view = {0, 0, w, h},
+            .uniform = uniform,
+            .vertices = 6,
+            .instances = 1,
+            .replace = true,
         };
         if (spot[i].k && w && h) { // drawn, and waited for
-            GP_TRY(fit_target(log, gl, "region under a light", GP_TEXEL_FLOAT,
-                              w, h, &s->region));
+            GP_TRY(gp_target_make(log, gl, "region under a light",
+                                  GP_TEXEL_FLOAT, 1, w, h, &s->region));
             GP_TRY(gp_draw_run(log, gl, &draw));
             GP_TRY(gp_alloc(log, "region under a light",
                             (size_t) w * (size_t) h, 4 * sizeof(float), &rgba));
@@ -568,5 +538,23 @@ gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(gp_gl_check(log, gl, "sun readback"));
 out:
     gp_free(rgba);
+    return st;
+}
+
+gp_status gp_sun_by_gl(const struct gp_log *log, const struct gp_gl *gl,
+                       const struct gp_occluders *o,
+                       const struct glarepp_light_params *p,
+                       struct gp_light *light, int n, struct gp_sun_map *s)
+{
+    struct spot spot[GP_LIGHTS_MAX];
+    gp_status st;
+    for (int i = 0; i < n; i++)
+        spot[i] = spot_of(o, p, &light[i]);
+    GP_TRY(upload(log, gl, o, spot, n, s));
+    GP_TRY(upload_lights(log, gl, spot, n, &s->lights));
+    st = p->method == GLAREPP_READBACK
+             ? by_regions(log, gl, o, p, spot, light, n, s)
+             : by_maps(log, gl, o, p, light, n, s);
+out:
     return st;
 }

@@ -33,28 +33,33 @@
 
 /* Programs, textures and targets on a context, kept from frame to frame. */
 struct gp_sun_map {
-    struct gp_program program[4];       // made when first used
+    struct gp_program draws_maps, draws_pixels, adds_up[2]; // by p->bytes
     struct gp_texture pixels, lights;   // see sun_map.frag
     struct gp_target atlas, region;     // sun maps; the region read back
     struct gp_target sums[2];           // intensity map, by p->bytes
 };
 
-/* Sets light[].visibility by sun maps. *state is made at the first call.
+/* Sets light[].visibility by sun maps, or by reading back where p->method asks
+ * for that: the region under each light is drawn at the frame's own pixels (r shown,
+ * g counts), read, and counted on the CPU: every pixel whose centre is in the disc;
+ * the nearest one when there is none.
  *   n  1 to GP_LIGHTS_MAX; lights behind the camera come out 0
+ *   s  zero at the first call; gp_sun_map_close()
  * Errors: GP_ERR_GL sizes over the context's, GL's own; GP_ERR_BUG memory. */
-GP_MUST_CHECK gp_status gp_sun_mask(
-    const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct glarepp_light_params *p,
-    struct gp_light *light, int n, struct gp_sun_map **state);
+GP_MUST_CHECK gp_status gp_sun_by_gl(const struct gp_log *log,
+                                     const struct gp_gl *gl,
+                                     const struct gp_occluders *o,
+                                     const struct glarepp_light_params *p,
+                                     struct gp_light *light, int n,
+                                     struct gp_sun_map *s);
+void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map *s);
 
-/* The same by reading back: the region under each light is drawn at the frame's
- * own pixels (r shown, g counts), read, and counted on the CPU: every pixel
- * whose centre is in the disc; the nearest one when there is none. */
-GP_MUST_CHECK gp_status gp_sun_readback(
-    const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct glarepp_light_params *p,
-    struct gp_light *light, int n, struct gp_sun_map **state);
-void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
+/* Returns the visibility of one light on the CPU: the plain form of the map,
+ * summed in double whatever p->bytes. `map` gets r and g of p->side squared
+ * texels, or is NULL. */
+double gp_sun_map_reference(const struct gp_occluders *o,
+                            const struct glarepp_light_params *p,
+                            const struct gp_light *light, float *map);
 
 /* Makes the pictures of --debug by the plain form, whatever the method: of each
  * light its sun map or, where p is NULL, its visibility, and beside it the frame's

@@ -4,7 +4,6 @@
  * (Shares by each method against plain forms: tests/hard/sun.c.) */
 #include "scene.h"
 #include "gl/gl_priv.h"
-#include "sun/mask/mask_priv.h"
 
 static const struct gp_rect window = {-40, 25, 120, 125}; // 160 x 100
 
@@ -58,7 +57,7 @@ static void try_lights(struct machine *m, const struct sun_frame *f,
     float *const want = malloc(2 * (size_t) texels * sizeof *want);
     assert_true(atlas && want);
     assert_sums(m, f, &p, l, n);
-    gp_target_read(m->gl, &m->map->atlas, 0, (struct gp_rect) {0, 0, w, h},
+    gp_target_read(m->gl, &m->map.atlas, 0, (struct gp_rect) {0, 0, w, h},
                    atlas);
     for (int k = 0; k < n * texels; k++) {
         const int i = k / texels, t = k % texels;
@@ -184,8 +183,8 @@ static void textures_may_be_small(void **state)
                                 light_at(45.3, 75.2, rows[k % 4].radius)};
         m->gl->info.max_size = rows[k % 4].most;
         gp_sun_map_close(m->gl, &m->map); // its textures may be larger
-        const gp_status st = gp_sun_mask(&kept_log, m->gl, &f.o, &p, l, 2,
-                                         &m->map);
+        const gp_status st =
+            gp_sun_by_gl(&kept_log, m->gl, &f.o, &p, l, 2, &m->map);
         if (!rows[k % 4].want)
             assert_sums(m, &f, &p, l, 2);
         m->gl->info.max_size = limit;
@@ -203,7 +202,7 @@ static void refused(struct machine *m, const struct gp_occluders *o, int map,
     for (int i = 0; i < GP_LIGHTS_MAX; i++)
         l[i] = light_at(30.0, 60.0, 4.0);
     kept_clear();
-    assert_int_equal(gp_sun_mask(&kept_log, m->gl, o, &p, l, n, &m->map),
+    assert_int_equal(gp_sun_by_gl(&kept_log, m->gl, o, &p, l, n, &m->map),
                      GP_ERR_GL);
     assert_string_equal(kept_parameter, parameter);
 }
