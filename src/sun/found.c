@@ -33,11 +33,11 @@ struct blob {
 struct finding {
     const struct gp_sources *src;
     const struct gp_image *f;
-    struct run *run;      // owned
-    uint32_t *row;        // owned; runs of row y: [row[y], row[y + 1])
-    struct blob *blob;    // owned; room for one a run
-    float *bright, *peak; // owned; luminance of each source, and the greatest
-    float *least;         // and least of each BLOCK of them; of one allocation
+    struct run *run;   // owned
+    uint32_t *row;     // owned; runs of row y: [row[y], row[y + 1])
+    struct blob *blob; // owned; room for one a run
+    float *bright;     // owned; luminance of each source, -INFINITY: of one
+                       // in a blob that is a light
     struct blob best[GP_FOUND_MOST]; // the brightest first
     int blobs;
     bool wide; // a blob is
@@ -45,126 +45,59 @@ struct finding {
 
 // -- blobs --------------------------------------------------------------------
 
-enum { BLOCK = 16 };
-
-/* Notes how bright the sources are, by blocks of them. */
+/* Notes how bright the sources are. */
 static gp_status weigh(const struct gp_log *log, struct finding *d)
 {
     const struct gp_sources *const s = d->src;
     const float w0 = s->luminance[0], w1 = s->luminance[1],
                 w2 = s->luminance[2];
-    const size_t blocks = s->n / BLOCK + 1;
-    const gp_status st = gp_alloc(log, "bright pixels", (BLOCK + 2) * blocks,
-                                  sizeof *d->bright, &d->bright);
-    if (st)
-        return st;
-    d->peak = d->bright + BLOCK * blocks;
-    d->least = d->peak + blocks;
+    gp_status st;
+    GP_TRY(gp_alloc(log, "bright pixels", s->n, sizeof *d->bright, &d->bright));
+    GP_TRY(gp_alloc(log, "runs of bright pixels", (size_t) s->h + 1,
+                    sizeof *d->row, &d->row));
     for (size_t i = 0; i < s->n; i++)
         d->bright[i] =
             w0 * s->rgb[0][i] + w1 * s->rgb[1][i] + w2 * s->rgb[2][i];
-    for (size_t b = 0; b < s->n / BLOCK; b++) {
-        const float *const v = d->bright + BLOCK * b;
-        float most = v[0], least = v[0];
-        for (int i = 1; i < BLOCK; i++) {
-            most = v[i] > most ? v[i] : most;
-            least = v[i] < least ? v[i] : least;
-        }
-        d->peak[b] = most;
-        d->least[b] = least;
-    }
-    return GP_OK;
+out:
+    return st;
 }
 
-/* Lists pieces of runs of wide blobs, to `out` if there is one: of sources of at
- * least `level`. Returns how many. */
-static uint32_t cut_runs(const struct finding *d, float level, struct run *out)
+/* Lists the runs of sources of at least `level`, to `out` if there is one.
+ * Returns how many. */
+static uint32_t list_runs(const struct finding *d, float level, struct run *out)
 {
+    const struct gp_sources *const s = d->src;
     uint32_t n = 0;
-    for (uint32_t k = 0; k < d->row[d->src->h]; k++) {
-        const struct run *const r = &d->run[k];
-        const uint32_t end = r->first + (uint32_t) (r->x1 - r->x0);
+    for (int y = 0; y < s->h; y++) {
         bool open = false;
-        for (uint32_t i = r->first, step; i < end && r->wide; i += step) {
-            const bool block =
-                i % BLOCK == 0 && i + BLOCK <= end &&
-                (d->peak[i / BLOCK] < level || d->least[i / BLOCK] >= level);
+        d->row[y] = n;
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
             const bool bright = d->bright[i] >= level;
-            const int x = r->x0 + (int) (i - r->first);
-            step = block ? BLOCK : 1;
-            n += bright && !open;
-            if (out && bright && !open)
-                out[n - 1] = (struct run) {x, x, r->y, n - 1, i, false};
+            const bool first = bright && !(open && s->x[i] == s->x[i - 1] + 1);
+            n += first;
+            if (out && first)
+                out[n - 1] =
+                    (struct run) {s->x[i], s->x[i], y, n - 1, i, false};
             if (out && bright)
-                out[n - 1].x1 += (int) step;
+                out[n - 1].x1++;
             open = bright;
         }
     }
+    d->row[s->h] = n;
     return n;
 }
 
-/* Goes on to what is brighter in wide blobs. */
+/* Goes on to the runs of what is left of at least `level`. */
 static gp_status rise(const struct gp_log *log, struct finding *d, float level)
 {
-    const uint32_t n = cut_runs(d, level, NULL);
-    struct run *run = NULL;
-    const gp_status st = gp_alloc(log, "runs of bright pixels", (size_t) n + 1,
-                                  sizeof *run, &run);
-    if (st)
-        return st;
-    (void) cut_runs(d, level, run);
-    gp_free(d->run);
-    d->run = run;
-    for (uint32_t y = 0, k = 0; y <= (uint32_t) d->src->h; y++) {
-        while (k < n && (uint32_t) run[k].y < y)
-            k++;
-        d->row[y] = k;
-    }
+    GP_FREE(d->run);
     GP_FREE(d->blob);
-    return GP_OK;
-}
-
-/* Returns the end of the run that begins with source i, of a row up to `end`. */
-static uint32_t run_end(const struct gp_sources *s, uint32_t i, uint32_t end)
-{
-    for (;;) {
-        const uint32_t left = end - i;
-        if (left > BLOCK && s->x[i + BLOCK] == s->x[i] + BLOCK)
-            i += BLOCK;
-        else if (left > 1 && s->x[i + 1] == s->x[i] + 1)
-            i++;
-        else
-            return i + 1;
-    }
-}
-
-/* Lists the runs of all sources. */
-static gp_status list_rows(const struct gp_log *log, struct finding *d)
-{
-    const struct gp_sources *const s = d->src;
-    uint32_t n = 0, next;
-    gp_status st = gp_alloc(log, "runs of bright pixels", (size_t) s->h + 1,
-                            sizeof *d->row, &d->row);
-    for (int y = 0; y < s->h && !st; y++) {
-        d->row[y] = n;
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i = next, n++)
-            next = run_end(s, i, s->row[y + 1]);
-    }
+    const gp_status st = gp_alloc(log, "runs of bright pixels",
+                                  (size_t) list_runs(d, level, NULL) + 1,
+                                  sizeof *d->run, &d->run);
     if (!st)
-        st = gp_alloc(log, "runs of bright pixels", (size_t) n + 1,
-                      sizeof *d->run, &d->run);
-    if (st)
-        return st;
-    d->row[s->h] = n;
-    n = 0;
-    for (int y = 0; y < s->h; y++) {
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i = next, n++) {
-            next = run_end(s, i, s->row[y + 1]);
-            d->run[n] = (struct run) {
-                s->x[i], s->x[i] + (int) (next - i), y, n, i, false};
-        }
-    }
-    return GP_OK;
+        (void) list_runs(d, level, d->run);
+    return st;
 }
 
 static uint32_t root_of(struct run *run, uint32_t i)
@@ -207,8 +140,7 @@ static void rank(struct finding *d, const struct blob *b)
     d->best[at] = *b;
 }
 
-/* Lists the brightest blobs that are no larger than lights, and marks the runs of
- * others. */
+/* Lists the brightest blobs that are no larger than lights, whose sources are done. */
 static gp_status list_blobs(const struct gp_log *log, struct finding *d)
 {
     const uint32_t runs = d->row[d->src->h];
@@ -232,8 +164,10 @@ static gp_status list_blobs(const struct gp_log *log, struct finding *d)
         struct blob *const b = &d->blob[r->root];
         r->wide = gp_rect_w(b->box) > most || gp_rect_h(b->box) > most;
         d->wide = d->wide || r->wide;
-        for (int x = r->x0; x < r->x1 && !r->wide; x++)
-            b->light += (double) d->bright[r->first + (uint32_t) (x - r->x0)];
+        for (int i = 0; i < r->x1 - r->x0 && !r->wide; i++) {
+            b->light += (double) d->bright[r->first + (uint32_t) i];
+            d->bright[r->first + (uint32_t) i] = -INFINITY;
+        }
     }
     for (uint32_t k = 0; k < runs; k++) {
         if (d->run[k].root == k && !d->run[k].wide)
@@ -337,9 +271,7 @@ static long long add_up(const struct finding *d, struct gp_rect area,
 /* Returns how much of a light there is, 0 to 1, on its way from `from` to `to`. */
 static double fade(double v, double from, double to)
 {
-    const double t =
-        to > from ? fmax(0.0, fmin((v - from) / (to - from), 1.0)) : 1.0;
-    return t * t * (3.0 - 2.0 * t);
+    return to > from ? gp_smoothstep((v - from) / (to - from)) : 1.0;
 }
 
 /* Measures a blob as a light, of a part of a wide one if `part`; `at` has room for
@@ -436,7 +368,7 @@ gp_status gp_lights_find(const struct gp_log *log, const struct gp_sources *src,
 {
     struct finding d = {.src = src, .f = f};
     struct gp_light *light = NULL;
-    float level = src->threshold;
+    float level = src->threshold, from = -INFINITY;
     gp_status st;
     *n = 0;
     *wide = false;
@@ -444,16 +376,14 @@ gp_status gp_lights_find(const struct gp_log *log, const struct gp_sources *src,
     GP_TRY(gp_alloc(log, "lights", 2 * (size_t) GP_FOUND_MOST, sizeof *light,
                     &light));
     GP_TRY(weigh(log, &d));
-    GP_TRY(list_rows(log, &d));
-    for (bool part = false;; part = true) {
+    for (;; from = level = fmaxf(4.0f * level, FLT_MIN)) {
+        GP_TRY(rise(log, &d, from));
         join_runs(&d);
         GP_TRY(list_blobs(log, &d));
-        GP_TRY(measure_all(log, &d, part, light, n));
+        GP_TRY(measure_all(log, &d, from > 0.0f, light, n));
         *wide = *wide || d.wide;
         if (!d.wide || level > FLT_MAX / 4.0f)
             break;
-        level = fmaxf(4.0f * level, FLT_MIN);
-        GP_TRY(rise(log, &d, level));
     }
     *out = light;
     light = NULL;

@@ -15,7 +15,7 @@
 //      kept     pixels that `pixels` has of it, row after row: the first one
 //               in the frame, their width, and the row where they begin
 //      beyond   x: share that shows outside the frame; y: its weight
-//      corner   its map's first texel; PIXELS: less the frame's pixel there
+//      corner   its map's first texel
 // out  r share shown times g, g weight
 // CPU twin: mask.c, gp_sun_map_reference()
 uniform sampler2D pixels;
@@ -29,10 +29,9 @@ out vec4 map;
 
 const float EMPTY = 3.4e38; // as in mask.c
 
-// Share of a light that the pixel shows; gp_occluders_show().
-float show(ivec2 pixel)
+// Share of a light that a pixel of those kept shows; gp_occluders_show().
+float show(ivec2 from)
 {
-    ivec2 from = pixel - kept.xy;
     int at = from.y * kept.z + from.x, wide = textureSize(pixels, 0).x;
     vec4 pair = texelFetch(pixels, ivec2((at >> 1) % wide,
                                          kept.w + (at >> 1) / wide), 0);
@@ -45,7 +44,7 @@ float show(ivec2 pixel)
 
 void main()
 {
-    map = vec4(show(ivec2(gl_FragCoord.xy) - corner), 1.0, 0.0, 0.0);
+    map = vec4(show(ivec2(gl_FragCoord.xy)), 1.0, 0.0, 0.0);
 }
 
 #else
@@ -97,7 +96,7 @@ void main()
         ivec2 pixel = ivec2(exact + 1.0lf) - 1; // floor: none under -1
         bool within = all(greaterThanEqual(pixel, ivec2(0))) &&
                       all(lessThan(pixel, frame));
-        sum += within ? vec2(show(pixel), 1.0) : beyond;
+        sum += within ? vec2(show(pixel - kept.xy), 1.0) : beyond;
         at = at.x + 1 < k ? at + ivec2(1, 0) : ivec2(0, at.y + 1);
     } while (at.y < k);
     map = vec4(k > 0 ? sum / float(k * k) : beyond, 0.0, 0.0);

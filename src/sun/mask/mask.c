@@ -352,6 +352,7 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
         {.name = "lights", .texture = &s->lights},
         {.name = "frame", .v = {gp_rect_w(o->frame), gp_rect_h(o->frame)}},
         {.name = "size", .v = {s->atlas.w, s->atlas.h}},
+        {.name = "light", .v = {0, 0}},
         {.name = "map", .v = {p->side, cells.x1}},
         {.name = "form", .v = {p->side, !p->square}},
         {0},
@@ -507,9 +508,9 @@ static gp_status by_regions(const struct gp_log *log, const struct gp_gl *gl,
         const struct gp_uniform uniform[] = {
             {.name = "pixels", .texture = &s->pixels},
             {.name = "lights", .texture = &s->lights},
-            {.name = "first", .v = {box.x0, box.y0}},
             {.name = "size", .v = {w, h}},
             {.name = "light", .v = {i, 0}},
+            {.name = "map", .v = {gp_max(w, h), 1}},
             {0},
         };
         const struct gp_draw draw = {
