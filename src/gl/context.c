@@ -17,8 +17,6 @@
 // -- OSMesa -------------------------------------------------------------------
 
 /* From Mesa's GL/osmesa.h, which newer Mesa does not install. */
-typedef struct osmesa_context *OSMesaContext;
-typedef void (*OSMESAproc)(void);
 enum {
     OSMESA_RGBA = GL_RGBA,
     OSMESA_FORMAT = 0x22,
@@ -29,12 +27,12 @@ enum {
 };
 
 struct osmesa {
-    OSMesaContext context;
-    OSMesaContext (*create)(const int *attributes, OSMesaContext share);
-    GLboolean (*make_current)(OSMesaContext, void *buffer, GLenum type,
+    void *context;
+    void *(*create)(const int *attributes, void *share);
+    GLboolean (*make_current)(void *context, void *buffer, GLenum type,
                               GLsizei w, GLsizei h);
-    void (*destroy)(OSMesaContext);
-    OSMESAproc (*proc)(const char *name);
+    void (*destroy)(void *context);
+    void (*(*proc)(const char *name))(void);
     unsigned char pixel[4]; // the window that OSMesa wants; never drawn to
 };
 
@@ -84,16 +82,11 @@ out:
     return st;
 }
 
-static bool osmesa_make_current(void *window)
+static bool osmesa_make_current(void *window, bool on)
 {
     struct osmesa *o = window;
-    return o->make_current(o->context, o->pixel, GL_UNSIGNED_BYTE, 1, 1);
-}
-
-static void osmesa_release(void *window)
-{
-    struct osmesa *o = window;
-    o->make_current(NULL, NULL, 0, 0, 0);
+    return on ? o->make_current(o->context, o->pixel, GL_UNSIGNED_BYTE, 1, 1)
+              : o->make_current(NULL, NULL, 0, 0, 0);
 }
 
 static void (*osmesa_proc(void *window, const char *name))(void)
@@ -109,7 +102,6 @@ const struct gp_gl_system gp_gl_osmesa = {
                                    "libOSMesa.so", NULL},
     .open = open_osmesa,
     .make_current = osmesa_make_current,
-    .release = osmesa_release,
     .close = close_osmesa,
     .proc = osmesa_proc,
 };
@@ -247,18 +239,12 @@ out:
     return st;
 }
 
-static bool egl_make_current(void *window)
+static bool egl_make_current(void *window, bool on)
 {
     struct egl *e = window;
     return e->BindAPI(EGL_OPENGL_API) &&
            e->MakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
-                          e->context);
-}
-
-static void egl_release(void *window)
-{
-    struct egl *e = window;
-    e->MakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+                          on ? e->context : EGL_NO_CONTEXT);
 }
 
 static void (*egl_proc(void *window, const char *name))(void)
@@ -273,7 +259,6 @@ const struct gp_gl_system gp_gl_egl = {
     .file = (const char *const[]) {"libEGL.so.1", "libEGL.so", NULL},
     .open = open_egl,
     .make_current = egl_make_current,
-    .release = egl_release,
     .close = close_egl,
     .proc = egl_proc,
 };
@@ -318,7 +303,7 @@ static gp_status open_library(const struct gp_log *log,
 static void release_current(void)
 {
     if (current)
-        current->system->release(current->window);
+        (void) current->system->make_current(current->window, false);
     current = NULL;
 }
 
@@ -329,7 +314,7 @@ gp_status gp_gl_use(const struct gp_log *log, const struct gp_gl *gl)
     // Mesa's two front ends share one dispatch table: release the old context
     // before the new one is made current, or a later return to it is missed
     release_current();
-    if (!gl->system->make_current(gl->window))
+    if (!gl->system->make_current(gl->window, true))
         return gp_fail_at(log, GP_ERR_GL, "layer.gl",
                           "%s: the context cannot be made current",
                           gl->system->name);

@@ -18,9 +18,9 @@ struct gp_gl_system {
      * so that the caller can say which one was found. Not yet current.
      * *window is the system's own, and freed by close(). */
     gp_status (*open)(const struct gp_log *log, void *library, void **window);
-    bool (*make_current)(void *window); // false: the system refused
-    void (*release)(void *window);      // no context is current after it
-    void (*close)(void *window);        // it is not current then
+    // or no context at all; false: the system refused
+    bool (*make_current)(void *window, bool on);
+    void (*close)(void *window); // it is not current then
     void (*(*proc)(void *window, const char *name))(void);
 };
 extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
