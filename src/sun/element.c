@@ -22,6 +22,7 @@
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "core/murmur.h"
 #include "sun/flare_priv.h"
 
 #include <math.h>
@@ -31,12 +32,9 @@ enum { BANDS = 40, ANGLES = 5040 }; // ANGLES: a multiple of most sides
 
 double gp_flare_random(int seed, int i)
 {
-    // the finalizer of MurmurHash3
-    uint32_t h = 0x85ebca6bu * (uint32_t) seed +
-                 0x9e3779b9u * (uint32_t) (i + 1);
-    h = (h ^ h >> 16) * 0x85ebca6bu;
-    h = (h ^ h >> 13) * 0xc2b2ae35u;
-    return (double) (h ^ h >> 16) / 4294967296.0;
+    const uint32_t h =
+        0x85ebca6bu * (uint32_t) seed + 0x9e3779b9u * (uint32_t) (i + 1);
+    return (double) gp_murmur3(NULL, 0, h) / 4294967296.0; // of no bytes
 }
 
 static bool has_rays(const struct gp_flare_element *e)

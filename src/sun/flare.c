@@ -87,16 +87,10 @@ static gp_status make_level(const struct gp_log *log,
 
 // -- changes of elements by lights -------------------------------------------
 
-static double height_of(struct gp_rect display)
-{
-    return (double) display.y1 - (double) display.y0;
-}
-
 /* Distance from the centre, 1 in a corner. */
 static double off_centre(double x, double y, struct gp_rect display)
 {
-    const double wide = (double) display.x1 - (double) display.x0;
-    const double half = 0.5 * gp_hypot(wide, height_of(display));
+    const double half = 0.5 * gp_hypot(gp_rect_w(display), gp_rect_h(display));
     return half > 0.0 ? gp_hypot(x - gp_rect_middle(display, 0),
                                  y - gp_rect_middle(display, 1)) /
                             half
@@ -108,7 +102,7 @@ void gp_flare_factors(const struct gp_flare_by_place *b, double x, double y,
 {
     const double inside = fmin(fmin(x - display.x0, display.x1 - x),
                                fmin(y - display.y0, display.y1 - y));
-    const double v = b->edge ? 2.0 * inside / fmax(height_of(display), 1.0)
+    const double v = b->edge ? 2.0 * inside / fmax(gp_rect_h(display), 1.0)
                              : off_centre(x, y, display);
     const double t = fmax(0.0, fmin(v, 1.0)); // 0 for NaN
     *size = b->size[0] + t * (b->size[1] - b->size[0]);
@@ -152,7 +146,7 @@ static void place_of(const struct gp_flare_element *e, const struct gp_light *l,
     const double dx = gp_rect_middle(display, 0) - l->x;
     const double dy = gp_rect_middle(display, 1) - l->y;
     const double d = gp_hypot(dx, dy);
-    const double across = d > 0.0 ? e->offset * height_of(display) / d : 0.0;
+    const double across = d > 0.0 ? e->offset * gp_rect_h(display) / d : 0.0;
     *x = l->x + e->at * dx + across * dy;
     *y = l->y + e->at * dy - across * dx;
 }
@@ -172,7 +166,7 @@ static double least_scale(const struct gp_flare_element *e)
 static double diameter_of(const struct gp_flare_element *e,
                           struct gp_rect display)
 {
-    return e->size * height_of(display);
+    return e->size * gp_rect_h(display);
 }
 
 /* Pixels of an image's texel; 1 for a plain one. */
@@ -358,9 +352,8 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
     double sums[3];
     memcpy(sums, l->area, sizeof sums);
     if (p->e.shape == GP_FLARE_DIRT) {
-        const double w = (double) p->display.x1 - (double) p->display.x0;
-        q->dirt[0] = (float) (p->e.image.w / fmax(w, 1.0));
-        q->dirt[1] = (float) (p->e.image.h / fmax(height_of(p->display), 1.0));
+        q->dirt[0] = (float) (p->e.image.w / fmax(gp_rect_w(p->display), 1.0));
+        q->dirt[1] = (float) (p->e.image.h / fmax(gp_rect_h(p->display), 1.0));
         q->dirt[2] = (float) ((q->x - p->display.x0) * (double) q->dirt[0]);
         q->dirt[3] = (float) ((q->y - p->display.y0) * (double) q->dirt[1]);
     } else if (is_summed(p, fmin(least_scale(&p->e), 1.0))) {

@@ -15,6 +15,8 @@
 
 enum { MOST_ELEMENTS = 1024, MOST_RAYS = 512 };
 
+static const char *const sources[] = {"lights", "bright", NULL};
+
 // -- keys --------------------------------------------------------------------
 
 /* Elements that a key is for: bits of shapes, and of a source. */
@@ -105,16 +107,6 @@ static gp_status read_floats(const struct gp_json_place *p, json_t *o,
     return st;
 }
 
-static gp_status read_source(const struct gp_json_place *p, json_t *o,
-                             enum gp_flare_source *out)
-{
-    static const char *const names[] = {"lights", "bright", NULL};
-    int source = (int) *out;
-    const gp_status st = gp_json_choice(p, o, "source", names, &source);
-    *out = (enum gp_flare_source) source;
-    return st;
-}
-
 static gp_status read_profile(const struct gp_json_place *p, json_t *o,
                               struct gp_flare_element *e)
 {
@@ -202,7 +194,7 @@ out:
 // -- elements ----------------------------------------------------------------
 
 static gp_status read_element(const struct gp_json_place *p, json_t *o,
-    enum gp_flare_source source, struct gp_flare_element *e)
+                              int source, struct gp_flare_element *e)
 {
     static const char *const shapes[] = {"disc", "ring", "polygon", "streak",
                                          "image", "glow", "spikes", "caustic",
@@ -212,7 +204,6 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     int shape = -1, turn = 0;
     gp_status st = GP_OK;
     *e = (struct gp_flare_element) GP_FLARE_DEFAULTS;
-    e->source = source;
     if (json_is_object(o))
         GP_TRY(gp_json_choice(p, o, "shape", shapes, &shape));
     if (shape < 0)
@@ -222,7 +213,8 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     const bool rays = RAYS >> shape & 1u;
     e->width = rays ? 0.01 : e->width;
     e->count = e->shape == GP_FLARE_SPIKES ? 8 : 1;
-    GP_TRY(read_source(p, o, &e->source));
+    GP_TRY(gp_json_choice(p, o, "source", sources, &source));
+    e->source = (enum gp_flare_source) source;
     if (e->shape == GP_FLARE_DIRT && e->source == GP_FLARE_BRIGHT)
         GP_TRY(gp_json_fail(p, "dirt is lit by lights (found \"source\": "
                             "\"bright\"); use \"lights\""));
@@ -324,14 +316,14 @@ gp_status gp_flare_read(const struct gp_log *log, const char *word,
     if (st)
         return st;
     struct gp_json_place place = {log, path, "element", 0};
-    enum gp_flare_source source = GP_FLARE_LIGHTS;
+    int source = GP_FLARE_LIGHTS;
     struct gp_flare f = {0};
     json_t *root = NULL, *array = NULL;
     GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
     GP_TRY(gp_json_array(&place, root, "elements", MOST_ELEMENTS, &array));
     if (json_is_object(root)) {
         GP_TRY(gp_json_keys(&place, root, whole));
-        GP_TRY(read_source(&place, root, &source));
+        GP_TRY(gp_json_choice(&place, root, "source", sources, &source));
     }
     f.path = gp_strdup(path);
     if (!f.path)

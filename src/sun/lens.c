@@ -125,8 +125,7 @@ static gp_status read_coat(const struct gp_json_place *p, json_t *o,
 
 /* Reads surface i. */
 static gp_status read_surface(const struct gp_json_place *p, json_t *o,
-                              double coating, int i, struct gp_lens *lens,
-                              bool *stop)
+                              double coating, int i, struct gp_lens *lens)
 {
     const struct gp_lens_surface *const before = i ? &lens->at[i - 1] : NULL;
     const bool last = i == lens->n - 1;
@@ -136,11 +135,11 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
     struct gp_lens_surface s = {.n = 1.0};
     double radius = INFINITY;
     gp_status st;
-    *stop = json_is_true(json_object_get(o, "stop"));
-    GP_TRY(gp_json_keys(p, o, *stop ? stop_keys : keys));
-    if (json_object_get(o, "stop") && !*stop)
+    const bool stop = json_is_true(json_object_get(o, "stop"));
+    GP_TRY(gp_json_keys(p, o, stop ? stop_keys : keys));
+    if (json_object_get(o, "stop") && !stop)
         GP_TRY(gp_json_fail(p, "stop is not true; leave it out"));
-    if (*stop && before) {
+    if (stop && before) {
         s.n = before->n;
         s.v = before->v;
     }
@@ -164,9 +163,13 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
     s.curvature = 1.0 / radius;
     // by default between glass and air: cemented surfaces have no coat
     const double n = before ? before->n : 1.0;
-    s.coat = !*stop && n != s.n && (n == 1.0 || s.n == 1.0) ? coating : 0.0;
+    s.coat = !stop && n != s.n && (n == 1.0 || s.n == 1.0) ? coating : 0.0;
     GP_TRY(read_coat(p, o, lens, &s.coat));
     lens->at[i] = s;
+    if (stop && lens->stop >= 0)
+        GP_TRY(gp_json_fail(p, "a second stop; leave one out"));
+    if (stop)
+        lens->stop = i;
 out:
     return st;
 }
@@ -178,15 +181,10 @@ static gp_status read_surfaces(const struct gp_json_place *p, json_t *list,
     lens->n = (int) json_array_size(list);
     for (int i = 0; i < lens->n; i++) {
         const struct gp_json_place at = {p->log, p->path, "surface", i + 1};
-        bool stop;
         const gp_status st = read_surface(&at, json_array_get(list, (size_t) i),
-                                          coating, i, lens, &stop);
+                                          coating, i, lens);
         if (st)
             return st;
-        if (stop && lens->stop >= 0)
-            return gp_json_fail(&at, "a second stop; leave one out");
-        if (stop)
-            lens->stop = i;
     }
     if (lens->stop < 0)
         return gp_json_fail(p, "no stop; add a surface {\"stop\": true, "

@@ -176,6 +176,14 @@ static const struct gp_lens_hit *rays_of(const struct gp_lens_mesh *m, int k)
 struct box {
     double x0, y0, x1, y1;
 };
+static const struct box no_box = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+
+/* Widens a box by another. */
+static void join(struct box *b, struct box by)
+{
+    *b = (struct box) {gp_mind(b->x0, by.x0), gp_mind(b->y0, by.y0),
+                       gp_maxd(b->x1, by.x1), gp_maxd(b->y1, by.y1)};
+}
 
 /* The places on the sensor, in mm, of a ray in each wavelength. */
 struct spot {
@@ -231,8 +239,7 @@ static void widen(const struct gp_lens_item *it, const struct spot *s, int half,
                          aside * it->aside[0];
         const double y = it->middle[1] + s->x[k] * it->along[1] +
                          aside * it->aside[1];
-        *b = (struct box) {gp_mind(b->x0, x), gp_mind(b->y0, y),
-                           gp_maxd(b->x1, x), gp_maxd(b->y1, y)};
+        join(b, (struct box) {x, y, x, y});
     }
 }
 
@@ -250,7 +257,7 @@ static bool measure(const struct gp_lens_view *v,
     struct spot spot[8];
     const int n = spots_of(m, at, spot);
     *apart = 0.0;
-    box[0] = box[1] = (struct box) {INFINITY, INFINITY, -INFINITY, -INFINITY};
+    box[0] = box[1] = no_box;
     for (int e = 0; e < n; e++) {
         *apart = gp_maxd(*apart, gp_hypot(spot[e].x[last] - spot[e].x[0],
                                           spot[e].y[last] - spot[e].y[0]) /
@@ -267,15 +274,12 @@ void gp_lens_item_place(const struct gp_lens_view *v, double blur,
     const struct gp_lens_mesh *const m = &it->mesh;
     const double w = gp_rect_w(v->frame), h = gp_rect_h(v->frame);
     const int cells = m->cells * (m->cells / 2);
-    struct box all = {INFINITY, INFINITY, -INFINITY, -INFINITY}, box[2];
+    struct box all = no_box, box[2];
     double apart;
     for (int i = 0; i < cells; i++) {
-        if (!measure(v, it, i, box, &apart))
-            continue;
-        for (int half = 0; half < 2; half++)
-            all = (struct box) {
-                gp_mind(all.x0, box[half].x0), gp_mind(all.y0, box[half].y0),
-                gp_maxd(all.x1, box[half].x1), gp_maxd(all.y1, box[half].y1)};
+        (void) measure(v, it, i, box, &apart); // no box: no light
+        join(&all, box[0]);
+        join(&all, box[1]);
     }
     const double finer = 1 << v->detail;
     // a step must not hide the size
@@ -312,19 +316,6 @@ void gp_lens_item_place(const struct gp_lens_view *v, double blur,
 }
 
 // -- drawing ------------------------------------------------------------------
-
-// Places are in steps of the item's accumulator.
-struct gp_lens_rays {
-    double p[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)][2][2]; // halves
-    double light[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)][3];
-    // bits of sets that need it
-    uint8_t needs[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
-    uint8_t set[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // of cells; 0: none
-    bool arrives[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
-    bool clear[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
-    // of cells, with a dark one more on each side
-    double density[(GP_LENS_CELLS + 2) * (GP_LENS_CELLS / 2 + 2)][3];
-};
 
 /* Finds the cells that meet rows [y0, y1) of the layer, and their rays; returns
  * the bits of their sets. */
@@ -574,11 +565,6 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                             here[0]);
         }
     }
-}
-
-gp_status gp_lens_rays_make(struct gp_lens_rays **out)
-{
-    return gp_alloc(NULL, "rays", 1, sizeof **out, out);
 }
 
 void gp_lens_item_draw(const struct gp_lens_item *it,

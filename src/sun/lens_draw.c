@@ -293,7 +293,7 @@ static gp_status draw_rows(void *ctx, int strip, int thread)
     struct drawing *const d = ctx;
     struct gp_lens_rays *rays;
     const int last = (gp_rect_h(d->view->frame) - 1) / STRIP_ROWS;
-    const gp_status st = gp_lens_rays_make(&rays);
+    const gp_status st = gp_alloc(NULL, "rays", 1, sizeof *rays, &rays);
     (void) thread;
     for (int i = 0; i < d->items && !st; i++) {
         const struct gp_lens_item *const it = &d->item[i];

@@ -14,6 +14,7 @@ enum {
     GP_LENS_NODES = 3,   // traced wavelengths
     GP_LENS_PASSES = 3,  // of the stop on one path
     GP_LENS_CELLS = 128, // most of a mesh, a side
+    GP_LENS_RAYS = (GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1),
 };
 
 /* The lens at one wavelength. */
@@ -218,9 +219,17 @@ struct gp_lens_item {
     struct gp_lens_cell cell[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // halves
 };
 
-/* A band's rays of an item, to be drawn; for one thread. */
-struct gp_lens_rays;
-GP_MUST_CHECK gp_status gp_lens_rays_make(struct gp_lens_rays **out);
+/* A band's rays of an item, to be drawn; for one thread. Places are in steps of the
+ * item's accumulator. */
+struct gp_lens_rays {
+    double p[GP_LENS_RAYS][2][2]; // halves
+    double light[GP_LENS_RAYS][3];
+    uint8_t needs[GP_LENS_RAYS]; // bits of sets that need it
+    uint8_t set[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // of cells; 0: none
+    bool arrives[GP_LENS_RAYS], clear[GP_LENS_RAYS];
+    // of cells, with a dark one more on each side
+    double density[(GP_LENS_CELLS + 2) * (GP_LENS_CELLS / 2 + 2)][3];
+};
 
 /* Makes the spectrum.
  *   chromaticities  8, of the frame
