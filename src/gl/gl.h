@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* gl: headless OpenGL 4.5 core: contexts, textures, programs, draws.
- *
- * Float planes in, float planes out; nothing here knows what is drawn.
- *   context.c  opens a context of OSMesa or EGL
- *   draw.c     textures, targets, buffers, programs of the files of shaders/,
- *              and the one way to draw
- * Libraries come by dlopen, functions by the context's own GetProcAddress.
+/* Headless OpenGL 4.5 core: contexts, textures, programs, draws.
  *
  * A context belongs to the thread that opened it. Several may live at once;
  * gp_gl_use() selects the one for the calls that follow.
@@ -23,20 +17,15 @@
 
 struct gp_gl; // a context with its function table
 
-/* AUTO takes OSMesa, and EGL only where OSMesa is missing: frames then have the
- * same bytes on every machine of a farm, with or without a GPU. A GPU is used
- * when EGL is selected. */
+/* AUTO takes OSMesa, and EGL, which may be a GPU, only where OSMesa is missing:
+ * frames have the same bytes on every machine of a farm. */
 enum gp_gl_api { GP_GL_AUTO, GP_GL_OSMESA, GP_GL_EGL };
 
-/* Makes a context and makes it current on the calling thread.
- * EGL takes the device platform when a device that is no software
- * rasterizer answers, else Mesa's surfaceless platform.
- *
+/* Makes a context, current on the calling thread. EGL takes the first device that
+ * is no software rasterizer, else Mesa's surfaceless platform.
  *   out  written only on GP_OK; free with gp_gl_close()
- *
- * Errors: GP_ERR_GL names the library that is missing and its Debian package
- * (libosmesa6; libegl1 and libegl-mesa0), or the version that was found when
- * GL is under 4.5. */
+ * Errors: GP_ERR_GL names the library that is missing and its Debian package, or
+ * the version that was found when GL is under 4.5. */
 GP_MUST_CHECK gp_status gp_gl_open(const struct gp_log *log,
                                    enum gp_gl_api api, struct gp_gl **out);
 
@@ -90,9 +79,8 @@ struct gp_texture {
     int w, h;
 };
 
-/* Makes a texture of w x h texels, not cleared; free with gp_texture_free().
- * Errors: GP_ERR_GL sizes under 1 or over max_size (names the limit), out of
- * memory. */
+/* Makes a texture of w x h texels, not cleared. Errors: GP_ERR_GL sizes under 1 or
+ * over max_size (names the limit), out of memory. */
 GP_MUST_CHECK gp_status gp_texture_make(const struct gp_log *log,
     const struct gp_gl *gl, const char *what, enum gp_texel kind, int w, int h,
     struct gp_texture *out);
@@ -115,15 +103,14 @@ struct gp_target {
     struct gp_texture colour;                    // attachment 0
     struct gp_texture more[GP_ATTACHMENTS - 1];  // attachments 1, 2, ...
     int n;                                       // attachments in use
-    struct gp_texture depth; // of DEPTH; read as a texture too, red by
-                             // texelFetch, while nothing draws to it
+    struct gp_texture
+        depth; // of DEPTH; red of a texture while nothing draws to it
     int w, h;
 };
 
 /* Makes a target of w x h pixels with n attachments (1 to GP_ATTACHMENTS, or 0
  * with depth; a fragment's outputs at locations 0 to n - 1 go to them), not
- * cleared; free with gp_target_free(). Errors as for textures, and GP_ERR_GL
- * when the driver cannot draw to such texels. */
+ * cleared. Errors as for textures, and where the driver cannot draw to such texels. */
 GP_MUST_CHECK gp_status gp_target_make(const struct gp_log *log,
     const struct gp_gl *gl, const char *what, enum gp_texel kind, int n, int w,
     int h, struct gp_target *out);
@@ -157,7 +144,7 @@ struct gp_buffer {
     unsigned texture; // of TEXELS
 };
 
-/* Makes a buffer of n entries, not cleared; free with gp_buffer_free().
+/* Makes a buffer of n entries, not cleared; *out is written whatever it was.
  * Errors: GP_ERR_GL n under 1 or over max_block / 16 or max_texel_buffer, out
  * of memory. */
 GP_MUST_CHECK gp_status gp_buffer_make(const struct gp_log *log,
@@ -176,11 +163,8 @@ struct gp_program {
     unsigned id; // 0: empty
 };
 
-/* Compiles and links two files of src/gl/shaders. The driver gets "#version
- * 450 core", `defines` ("" or lines such as "#define COLOUR\n": one file can
- * so be several programs), common.glsl, and the file from "#line 1" on, so
- * that its messages point at the file. Free with gp_program_free(); one that is made
- * is kept.
+/* Compiles and links two files of src/gl/shaders, after common.glsl and `defines`:
+ * "", or lines such as "#define COLOUR\n", by which one file is several programs.
  * Errors: GP_ERR_BUG no such file; GP_ERR_GL with the driver's log. */
 GP_MUST_CHECK gp_status gp_program_make(const struct gp_log *log,
     const struct gp_gl *gl, const char *defines, const char *vert,

@@ -8,8 +8,8 @@
 #define GL_GLEXT_PROTOTYPES // for their types: nothing is linked
 #include <GL/glcorearb.h>
 
-/* A library that gives headless contexts. `file` lists its names, NULL ends;
- * gp_env() names another, and `package` is Debian's. */
+/* A library that gives headless contexts. `file` lists its names, NULL ends, unless
+ * gp_env() has another; `package` is Debian's. */
 struct gp_gl_system {
     const char *name, *package;
     const char *const *file;

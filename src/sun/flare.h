@@ -8,15 +8,11 @@
  * that are over 128 pixels across, to 1 %. Dirt adds less: a glow of
  * that total times the image's value at each pixel. An element's place is
  *   light + at * (centre - light)       at 0 the light, 1 the centre, 2 beyond
- * its diameter `size` times the frame's height (an image's longer side). An
- * edge is a ramp a pixel wide or more, so that a step of 1/8 pixel is a small
- * change. No element is smaller, and no ring or ray thinner, than a pixel.
+ * its diameter `size` times the frame's height (an image's longer side). No element
+ * is smaller, and no edge, ring or ray thinner, than a pixel.
  *
- * man/glarepp.1.in has the JSON and all its keys; shapes are in element.c.
- * Elements of bright pixels are one image for all of them: no dirt, turn,
- * offset, cut, shrink, only, and no by_place size. Rotation is counter-clockwise
- * as seen. Unknown keys and shapes, keys of another shape or source, numbers out
- * of range are errors that name file, element and key.
+ * man/glarepp.1.in has the JSON, all its keys, and which go together. Elements of
+ * bright pixels are one image for all of them: nothing of a light's own counts.
  */
 #ifndef GP_SUN_FLARE_H
 #define GP_SUN_FLARE_H
@@ -87,17 +83,16 @@ struct gp_flare {
 bool gp_flare_has(const struct gp_flare *f, enum gp_flare_source source);
 
 /* Reads a file, or the installed flare that "preset:NAME" names. Copies are
- * elements of their own. Errors: GP_ERR_USAGE no such preset (the message lists
- * them); GP_ERR_IO cannot be read; GP_ERR_DATA as above. Files over 1 MiB or of
- * over 1024 elements, copies counted, are refused. *out is written on GP_OK
- * only; free: gp_flare_free(). */
+ * elements of their own. *out is written on GP_OK only; gp_flare_free(). Errors:
+ * GP_ERR_USAGE no such preset (the message lists them); GP_ERR_IO cannot be read;
+ * GP_ERR_DATA (names file, element and key), also for files over 1 MiB or of over
+ * 1024 elements, copies counted. */
 GP_MUST_CHECK gp_status gp_flare_read(const struct gp_log *log,
                                       const char *word, struct gp_flare *out);
 void gp_flare_free(struct gp_flare *f);
 
-/* Adds all elements of lights, for every light, to `layer` (w * h of `frame`):
- * lights of visibility 0, or behind the camera, cost nothing. In the order of
- * lights, then elements; rows in parallel, same bytes for any threads. */
+/* Adds all elements of lights, for every light, to `layer` (w * h of `frame`), in the
+ * order of lights, then elements: the same bytes for any threads. */
 GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,
     const struct gp_flare *f, const struct gp_light *light, int n,
     struct gp_rect frame, struct gp_rect display, struct gp_planes *layer);

@@ -10,11 +10,8 @@
  * A scaled source lies between pixels. The element is drawn for the grid that
  * goes through the scaled pixel nearest to the centre, and each source is split
  * bilinearly among four points of that grid: flux and centroid stay exact, and
- * at whole 1 - a nothing is split at all: at a = 1 all sources are one. The
- * element is thereby its own bilinear interpolation, whose error at a pixel is
- * at most (|f_xx| + |f_yy|) / 8 of its image f, in pixels: it shows at edges
- * only, which it softens by half a pixel. gp_ghost.split is its norm where it is
- * largest, half a pixel from the grid both ways. */
+ * at whole 1 - a nothing is split at all. Edges are softened by half a pixel: the
+ * error is at most (|f_xx| + |f_yy|) / 8 of the image f, in pixels. */
 #ifndef GP_SUN_GHOSTS_H
 #define GP_SUN_GHOSTS_H
 
@@ -29,9 +26,8 @@ struct gp_ghost {
     const struct gp_flare_element *e; // the first; the flare's
     double scale;            // of the sources about the centre: 1 - position
     int elements;
-    double split;            // rel_l2 of the image split among four pixels,
-                             // against the image drawn half a pixel further
-                             // both ways; of the worst channel; 0: whole scale
+    double split; // that error where it is largest, half a pixel from
+                  // the grid both ways: rel_l2 of the worst channel
     struct gp_kernel kernel; // their image; no samples: it is black
     int pixel[2];            // pixel nearest to the display's centre, and the
     int moved[2];            // one that holds it, scaled; EXR pixel space
@@ -45,11 +41,11 @@ struct gp_ghosts {
     int frame;               // number of the last one
 };
 
-/* Makes the images for frames of these windows; keeps them where *out has them.
- * Images are cut to offsets that reach from a source to a pixel of the frame.
- * Flicker counts by f->frame. f must stay as long as *out.
+/* Makes the images for frames of these windows, unless *out has them, cut to
+ * offsets that reach from a source to a pixel of the frame. Flicker counts by
+ * f->frame. f must stay as long as *out, which is empty after an error.
  * Errors: GP_ERR_DATA an image of over 2^26 pixels, those of
- * gp_kernel_of_planes(); then *out is empty. Free with gp_ghosts_free(). */
+ * gp_kernel_of_planes(). */
 GP_MUST_CHECK gp_status gp_ghosts_make(const struct gp_log *log,
     const struct gp_flare *f, struct gp_rect data, struct gp_rect display,
     struct gp_ghosts *out);
@@ -57,12 +53,7 @@ void gp_ghosts_free(struct gp_ghosts *g);
 
 /* Scales the sources of a frame for a run, and dims them by flicker and
  * by_place. Those that land outside the frame are kept where the image reaches
- * into it.
- *
- *   out  made for a window (out->x0, out->y0, w, h) that holds the frame's data
- *        window and all sources kept; free with gp_sources_free()
- * Sums are in double, in an order that no number of threads changes.
- * Errors: GP_ERR_BUG out of memory. */
+ * into it: *out has a window of its own; free with gp_sources_free(). */
 GP_MUST_CHECK gp_status gp_ghost_move(const struct gp_log *log,
     const struct gp_ghosts *g, const struct gp_ghost *run,
     const struct gp_sources *src, struct gp_sources *out);

@@ -69,10 +69,9 @@ static inline bool gp_light_has_flux(const struct gp_light *l)
 }
 
 /* Reads lights from JSON, at most GP_LIGHTS_MAX; man/glarepp.1.in has its form.
- * Unknown keys, wrong types, numbers that are not finite or out of range are
- * errors that name file, light and key. *out is owned by the caller (gp_free()),
- * written on GP_OK only; *n may be 0: one that is "found" has an item for each of
- * its frames. Errors: GP_ERR_IO; GP_ERR_DATA, also for files over 8 MiB. */
+ * *out is owned by the caller (gp_free()), written on GP_OK only; *n may be 0: one
+ * that is "found" has an item for each of its frames. Errors: GP_ERR_IO; GP_ERR_DATA
+ * (names file, light and key), also for files over 8 MiB. */
 GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
     const char *path, struct glarepp_light **out, int *n);
 

@@ -61,24 +61,20 @@ double gp_occluders_show(const struct gp_occluders *o,
  * o->frame, and the area outside of it as `outside` says; in double. IGNORE takes
  * it over the part inside, 0 where there is none. A deep pixel that the edge of a
  * disc cuts shows more on the side of neighbours that do. BY_SCENE counts the part
- * outside by gp_light.outside, and so all of a light behind the camera or traced. A light
- * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
- * 1e9; one behind the camera has 0, but for GLAREPP_BY_SCENE. All hidden is
- * exactly 0, all clear exactly 1. Time grows with the disc's area inside the
- * planes' windows; the rest of the frame is clear, and costs a closed form. */
+ * outside by gp_light.outside, and so all of a light behind the camera, which else has
+ * 0, or traced. Radii count as 1e-3 to 1e9. All hidden is exactly 0, all clear
+ * exactly 1. Time grows with the disc's area inside the planes' windows. */
 void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
                   struct gp_light *light, int n);
 
-/* Writes low and high, between which the true share of each light is: of all
- * its disc, with every pixel at an edge hidden, and with every one clear. A
- * pixel is at an edge where its coverage is not 0 or 1; by depth alone, where
- * one of its eight neighbours shows another share; with both, there too if it
- * or that neighbour has a surface that is not nearer than the light. Deep pixels that
- * are wholly in the disc show their share.
+/* Writes in_frame, low and high, between which are visibility and the true share of
+ * each light, but for details thinner than a pixel: of all its disc, with every
+ * pixel at an edge hidden, and with every one clear. A pixel is at an edge where its
+ * coverage is not 0 or 1; by depth alone, where one of its eight neighbours shows
+ * another share; with both, there too if it or that neighbour has a surface that is
+ * not nearer than the light. Deep pixels that are wholly in the disc show their share.
  * Outside of the frame, and behind the camera, a light may be hidden or clear;
- * with GLAREPP_BY_SCENE it is gp_light.outside within its error.
- * low <= visibility <= high. Writes in_frame.
- * Details thinner than a pixel may be missed. */
+ * with GLAREPP_BY_SCENE it is gp_light.outside within its error. */
 void gp_sun_interval(const struct gp_occluders *o, enum glarepp_outside outside,
                      struct gp_light *light, int n);
 

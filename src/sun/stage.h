@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The sun's stage: places the suns and lamps of a run in each frame, measures
- * their visibility, and adds their light.
- *
- * For each frame, in this order: gp_suns_find(), gp_suns_hide(), gp_suns_measure(),
- * gp_suns_join() with the engines, gp_suns_draw(), gp_suns_end_frame(). */
+/* Suns and lamps of a run. For each frame, in this order: gp_suns_find(),
+ * gp_suns_hide(), gp_suns_measure(), gp_suns_join() with the engines,
+ * gp_suns_draw(), gp_suns_end_frame(). */
 #ifndef GP_SUN_STAGE_H
 #define GP_SUN_STAGE_H
 
@@ -47,8 +45,8 @@ struct gp_suns {
     struct gp_projection wide;  // of a frame that no plain camera makes, set
                                 // before gp_suns_find(); PLANE: it is none
     double more_fov;            // degrees, of the scene's camera; 0: none
-    bool warned_clear;          // warned that nothing hides the lights
-    bool warned_window;         // warned that a plane does not cover the frame
+    bool warned_clear, warned_window; // that nothing hides the lights; that a
+                                      // plane does not cover the frame
     struct gp_gl *gl;
     struct gp_sun_map map;
     // of the frame
@@ -67,8 +65,7 @@ GP_MUST_CHECK gp_status gp_suns_begin(
     const struct gp_log *log, const struct glarepp_light_params *p, enum gp_gl_api api,
     gp_sun_picture picture, void *user, struct gp_suns *out);
 
-/* The camera of a frame: that of --camera, or of the frame's own attributes;
- * *found false: neither. `out` is written where it is found.
+/* The camera of a frame, of --camera or of its own attributes, where one is *found.
  * Errors: GP_ERR_DATA a frame that --camera does not have; those of
  * gp_camera_make(). */
 GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
@@ -83,10 +80,9 @@ GP_MUST_CHECK gp_status gp_suns_find(const struct gp_log *log,
     struct gp_suns *suns);
 
 /* Adds lights that the frame shows, after gp_sense(): those with names of `known`,
- * and up to `most` in all; names of others are new1, new2, .... One whose centre
- * is on the disc of a light with a place is that light, and none found. Where
- * `known` is empty they are lamp1, lamp2, .... *wide as gp_lights_find() has it.
- * Errors: GP_ERR_BUG out of memory. */
+ * and up to `most` in all; others are new1, new2, ... or, where `known` is empty,
+ * lamp1, lamp2, .... None has its centre on the disc of a light with a place.
+ * *wide as gp_lights_find() has it. */
 GP_MUST_CHECK gp_status gp_suns_spot(const struct gp_log *log,
                                      const struct gp_sources *src,
                                      const struct gp_image *f,
@@ -94,9 +90,9 @@ GP_MUST_CHECK gp_status gp_suns_spot(const struct gp_log *log,
                                      int knowns, int most, bool *wide,
                                      struct gp_suns *suns);
 
-/* Tells what may hide the lights: planes, or deep pixels in their place, borrowed to
- * the end of the frame, NULL where there are none. One with a name is of another file, and a warning says
- * so where it does not cover the frame. */
+/* Notes what may hide the lights: planes, or deep pixels in their place, borrowed to
+ * the end of the frame, or NULL. Warns of one with a name, that of another file, which
+ * does not cover the frame. */
 void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
                   const struct gp_deep *deep, struct gp_suns *suns);
@@ -108,27 +104,23 @@ GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
 /* Pixels of a turn where the frame is a sphere, else 0. */
 double gp_suns_around(const struct gp_suns *suns);
 
-/* Returns true when a light has flux, of which gp_suns_draw() may add light;
- * `seen`: and is not hidden. */
+/* Returns true when a light has flux; `seen`: and is not hidden. */
 bool gp_suns_have_light(const struct gp_suns *suns, bool seen);
 
-/* The largest offsets in x and y from a light that gp_suns_draw() gives glare
- * to a pixel of the frame, so that the kernel can reach there; 0: no such
- * light. */
+/* The largest offsets in x and y from a light that gp_suns_draw() draws to a pixel of
+ * the frame, as far as the kernel must reach; 0: no such light. */
 void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
                      int offset[2]);
 
-/* Joins the sources and the visible light that lights have in the frame's pixels. A
- * light is the pixels of its
- * disc, each with its share of flux * visibility, moved to its place by
- * bilinear shares, which keep flux and centroid. Without one *out stays as it
- * is. */
+/* Joins the sources and the visible light that lights have in the frame's pixels:
+ * those of a disc have shares of flux * visibility, moved to its place by bilinear
+ * shares, which keep flux and centroid. Without a light *out stays as it is. */
 GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_image *f,
     const struct gp_sources *src, struct gp_sources *out);
 
-/* Adds the glare of light beyond the frame's pixels to f->layer, which is made. Errors: GP_ERR_DATA a radius over 1024 pixels;
- * those of gp_kernel_spread(). */
+/* Adds the glare of light beyond the frame's pixels to f->layer, which is made.
+ * Errors: GP_ERR_DATA a radius over 1024 pixels; those of gp_kernel_spread(). */
 GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
     struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_image *f);
 

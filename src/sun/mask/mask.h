@@ -14,14 +14,12 @@
  * Intensity map (step 4): a pixel for each light, in rows as the atlas has
  * maps. The map's texels are drawn into it and add up: visibility = r / g, 0
  * where g is 0. It is read at once: a software context, the usual one, has no
- * pipeline to stall, and engines draw a light of known share faster than
- * shaders that fetch it.
+ * pipeline to stall.
  *
- * Only the pixels under lights are uploaded. Of the parameters `outside`, `side`,
- * `square` and `bytes` count: with `bytes` the intensity map adds up in 8 bits,
- * 1 / 255 a point, saturating, as in the paper; else in float, exactly. A point is a
- * texel; of maps of over 16x16, whose steps would round to 0, it is the mean of four,
- * as of a bilinear fetch at their common corner, and of over 32x32 a regular
+ * Only the pixels under lights are uploaded. With p->bytes the intensity map adds up
+ * in 8 bits, 1 / 255 a point, saturating, as in the paper; else in float, exactly. A
+ * point is a texel; of maps of over 16x16, whose steps would round to 0, the mean of
+ * four, as of a bilinear fetch at their common corner, and of over 32x32 a regular
  * selection of 16x16 such: the paper's two ways out.
  */
 #ifndef GP_SUN_MASK_MASK_H
