@@ -163,8 +163,8 @@ gp_status gp_buffer_make(const struct gp_log *log, const struct gp_gl *gl,
     gl->f.NamedBufferStorage(out->id, (GLsizeiptr) n * ENTRY_BYTES, NULL,
                              GL_DYNAMIC_STORAGE_BIT);
     if (!block) {
-        gl->f.CreateTextures(GL_TEXTURE_BUFFER, 1, &out->texture);
-        gl->f.TextureBuffer(out->texture, GL_RGBA32F, out->id);
+        gl->f.CreateTextures(GL_TEXTURE_BUFFER, 1, &out->texture.id);
+        gl->f.TextureBuffer(out->texture.id, GL_RGBA32F, out->id);
     }
     const gp_status st = gp_gl_check(log, gl, what);
     if (st)
@@ -182,7 +182,7 @@ void gp_buffer_write(const struct gp_gl *gl, const struct gp_buffer *b,
 void gp_buffer_free(const struct gp_gl *gl, struct gp_buffer *b)
 {
     if (b->id && gp_gl_use(NULL, gl) == GP_OK) {
-        gl->f.DeleteTextures(1, &b->texture); // GL ignores name 0
+        gl->f.DeleteTextures(1, &b->texture.id); // GL ignores name 0
         gl->f.DeleteBuffers(1, &b->id);
     }
     *b = (struct gp_buffer) {0};
@@ -293,23 +293,19 @@ static void set_uniform(const struct gp_gl *gl, GLuint program, GLuint place,
     if (u->block) {
         gl->f.UniformBlockBinding(program, place, n->block);
         gl->f.BindBufferBase(GL_UNIFORM_BUFFER, n->block++, u->block->id);
-    } else if (u->texture || u->fetch) {
-        const GLuint id = u->texture ? u->texture->id : u->fetch->texture;
-        gl->f.BindTextureUnit(n->texture, id);
+    } else if (u->texture) {
+        gl->f.BindTextureUnit(n->texture, u->texture->id);
         gl->f.Uniform1i(at, (GLint) n->texture++);
-    } else if (u->image || u->texels) {
-        const GLuint id = u->image ? u->image->id : u->texels->texture;
-        gl->f.BindImageTexture(n->image, id, 0, GL_FALSE, 0, GL_READ_ONLY,
-                               GL_RGBA32F);
+    } else if (u->image) {
+        gl->f.BindImageTexture(n->image, u->image->id, 0, GL_FALSE, 0,
+                               GL_READ_ONLY, GL_RGBA32F);
         gl->f.Uniform1i(at, (GLint) n->image++);
     } else if (u->matrix) {
         gl->f.UniformMatrix4fv(at, 1, GL_FALSE, u->matrix);
-    } else if (u->floats == 1) {
-        gl->f.Uniform1fv(at, 1, u->f);
-    } else if (u->floats == 2) {
-        gl->f.Uniform2fv(at, 1, u->f);
     } else if (u->floats) {
-        gl->f.Uniform4fv(at, 1, u->f);
+        (u->floats == 1   ? gl->f.Uniform1fv
+         : u->floats == 2 ? gl->f.Uniform2fv
+                          : gl->f.Uniform4fv)(at, 1, u->f);
     } else {
         gl->f.Uniform2iv(at, 1, u->v);
     }

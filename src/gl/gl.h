@@ -140,8 +140,8 @@ void gp_target_free(const struct gp_gl *gl, struct gp_target *t);
 enum gp_buffer_kind { GP_BUFFER_BLOCK, GP_BUFFER_TEXELS };
 
 struct gp_buffer {
-    unsigned id;      // 0: empty
-    unsigned texture; // of TEXELS
+    unsigned id;               // 0: empty
+    struct gp_texture texture; // of TEXELS, one row
 };
 
 /* Makes a buffer of n entries, not cleared; *out is written whatever it was.
@@ -172,10 +172,8 @@ GP_MUST_CHECK gp_status gp_program_make(const struct gp_log *log,
 void gp_program_free(const struct gp_gl *gl, struct gp_program *p);
 
 /* One uniform of a program. The member that is set, one at most, decides:
- *   texture  sampler2D
- *   image    layout(rgba32f) readonly image2D
- *   texels   layout(rgba32f) readonly imageBuffer
- *   fetch    samplerBuffer
+ *   texture  sampler2D; of a buffer samplerBuffer
+ *   image    layout(rgba32f) readonly image2D; of a buffer imageBuffer
  *   matrix   mat4 from 16 floats, m[4 * row + column] for row vectors as in
  *            core/camera.h: the shader's matrix * vec4
  *   block    uniform block of that name (the block's, not the instance's)
@@ -187,7 +185,7 @@ struct gp_uniform {
     int floats;
     float f[4];
     const struct gp_texture *texture, *image;
-    const struct gp_buffer *texels, *fetch, *block;
+    const struct gp_buffer *block;
     const float *matrix;
 };
 

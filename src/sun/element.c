@@ -8,11 +8,9 @@
  *   round shapes   T(t) * g(direction)      t = norm(x, y) / R
  *   rays           sum of T(a / (L R)) * section(b)   a along, b across a ray
  *
- * A hard edge is a ramp of m pixels, m the larger of |x| and |y| of a unit
- * vector across it: what a line of pixels along the axis nearest to the edge
- * sees of a pixel. A straight edge of any direction then covers, summed over
- * pixels, its exact area. In a table all ramps are a pixel wide, and t is moved
- * to fit.
+ * A hard edge is a ramp of m pixels, m the larger of |x| and |y| of a unit vector
+ * across it, so that a straight one of any direction covers, summed over pixels, its
+ * exact area. In a table all ramps are a pixel wide, and t is moved to fit.
  *
  * The norm is the distance, or a polygon's, or between the two. T is the
  * profile with its edges, which are at least a pixel wide, integrated over
@@ -429,9 +427,7 @@ static void add_image(const struct gp_flare_quad *q, int y,
 
 // -- rows of looks ------------------------------------------------------------
 
-/* Moves t where it is within half a pixel of a hard edge across (x, y), whose ramp
- * is a pixel wide in the table, and in the picture as much less as the larger
- * component of a unit vector. */
+/* Moves t where it is within half a pixel of a hard edge across (x, y). */
 static float fit_edges(const struct gp_flare_look *l, float t, float x, float y)
 {
     const float m = gp_maxf(fabsf(x), fabsf(y)) /
@@ -460,8 +456,7 @@ static void look_up(const struct gp_flare_look *l, float at, float v,
         out[c] += v * (k[c] + rest * (k[c + 3] - k[c]));
 }
 
-/* Value of the element at a pixel of its own axes: the reference of all forms,
- * and the form that is drawn. */
+/* Value of the element at a pixel of its own axes. */
 static void value_at(const struct gp_flare_look *l,
     const struct gp_flare_quad *q, float x, float y, float out[3])
 {

@@ -43,7 +43,7 @@ GP_MUST_CHECK gp_status gp_flare_look_make(const struct gp_log *log,
     struct gp_flare_look *out);
 void gp_flare_look_free(struct gp_flare_look *l);
 
-/* Pixels from the place, in any direction, beyond which the element is 0. */
+/* Pixels from the place beyond which the element is 0. */
 double gp_flare_look_reach(const struct gp_flare_element *e, double diameter);
 
 // -- flare: elements made ready for the lights of one frame (flare.c) --------

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Real lenses: their prescription, first-order optics, and the ghosts that two
- * reflections inside make of a light.
+/* Real lenses: their prescription, whose JSON is in man/glarepp.1.in, first-order
+ * optics, and the ghosts that two reflections inside make of a light.
  *
  * Lengths are in millimetres along the axis z, which points from the scene to
  * the sensor. Slopes are dy/dz of rays in air before the lens: a light of slope
  * u has its image at y = focal length * u on the sensor.
- *
- * man/glarepp.1.in has the JSON of a prescription.
  */
 #ifndef GP_SUN_LENS_H
 #define GP_SUN_LENS_H
@@ -78,11 +76,9 @@ struct gp_lens_matrix {
     double a, b, c, d;
 };
 
-/* Reads a prescription.
- *   name  a file, or the name of an installed lens: "heliar"
- *   out   written on GP_OK only
- * Errors: GP_ERR_IO cannot be read; GP_ERR_DATA as the header of this file
- * says: the line names file, surface and key. Files over 1 MiB are refused. */
+/* Reads a prescription: a file, or that of an installed lens by its name, "heliar".
+ * *out is written on GP_OK only. Errors: GP_ERR_IO cannot be read; GP_ERR_DATA (names
+ * file, surface and key), also for files over 1 MiB. */
 GP_MUST_CHECK gp_status gp_lens_read(const struct gp_log *log, const char *name,
                                      struct gp_lens *out);
 
@@ -118,15 +114,14 @@ void gp_lens_path(const struct gp_lens *lens, int first, int second,
 struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
     const struct gp_lens_path *path, int steps, double nm);
 
-/* Lists the ghosts of all pairs of surfaces that reflect; returns how many.
- *   blur  of each the width in mm of the stop's Fresnel fringe; NULL: not
- *         wanted */
+/* Lists the ghosts of all pairs of surfaces that reflect; returns how many. `blur`,
+ * unless NULL, gets the width in mm of the stop's Fresnel fringe in each. */
 int gp_lens_ghosts(const struct gp_lens *lens, double nm,
                    struct glarepp_ghost out[GP_LENS_GHOSTS],
                    double blur[GP_LENS_GHOSTS]);
 
 /* Draws the lens in section as SVG, with the rays of a ghost, which may be
- * NULL. `f` keeps errors of writing. Errors: GP_ERR_BUG out of memory. */
+ * NULL. `f` keeps errors of writing. */
 GP_MUST_CHECK gp_status gp_lens_svg(const struct gp_log *log, FILE *f,
     const struct gp_lens *lens, const struct glarepp_ghost *ghost);
 
@@ -137,8 +132,8 @@ GP_MUST_CHECK gp_status gp_lens_svg(const struct gp_log *log, FILE *f,
  * Its image and its ghosts share the light that enters: with E the light
  * that crosses a square millimetre before the lens, the image of a light on the
  * axis has E * pupil * transmission, and a ghost E * cos * area * share, both
- * traced. The frame holds the image's light as the light's flux, so brightness
- * is absolute: nothing is tuned. The frame is taken to have no vignetting.
+ * traced. The frame, taken to have no vignetting, holds the image's light as the
+ * light's flux, so brightness is absolute: nothing is tuned.
  *
  * Each cell of a ghost's mesh is a polygon of even light, cut by rims and
  * blades, and covers pixels by area, at half, quarter, ... of the frame's
@@ -152,10 +147,9 @@ struct gp_lens_light {
 
 /* Cells of meshes, steps of pixels and bands of the spectrum. */
 enum gp_lens_detail {
-    GP_LENS_COARSE,            // of many lights
-    GP_LENS_FINE,              // of a few: several times the time
-    GP_LENS_REFERENCE,         // the finest, many times the time; for bench and
-                               // tests
+    GP_LENS_COARSE,    // of many lights
+    GP_LENS_FINE,      // of a few: several times the time
+    GP_LENS_REFERENCE, // the finest, many times the time
 };
 
 struct gp_lens_view {
@@ -165,11 +159,10 @@ struct gp_lens_view {
     const float *chromaticities; // 8, borrowed
     const float *luminance;    // 3 weights, borrowed
     double mean;               // mean luminance of the frame
-    double tolerance;          // ghosts are left out that together stay under
-                               // this share of `mean` at every pixel, by first
-                               // order; error of meshes
-    double rest[3];            // flux of lights that are not given, which
-                               // counts as left out
+    double tolerance;          // error of meshes; ghosts are left out that
+                               // together, by first order, stay under this
+                               // share of `mean` at every pixel
+    double rest[3];            // flux of lights that are not given: left out
     enum gp_lens_detail detail;
 };
 
@@ -182,11 +175,8 @@ GP_MUST_CHECK gp_status gp_lens_lights(const struct gp_log *log,
     const struct gp_light *light, int lights, const struct gp_sources *src,
     struct gp_lens_light **out, int *n, double *rest, double dark[3]);
 
-/* Adds the ghosts of `n` lights to `layer`, of the frame's size. Same bytes
- * for any threads.
- *   lens  focused
- *   out   those facts that it finds; 0 else
- * Errors: GP_ERR_BUG out of memory. */
+/* Adds the ghosts of `n` lights by a lens that is focused to `layer`, of the frame's
+ * size: the same bytes for any threads. *out gets the facts that it finds; 0 else. */
 GP_MUST_CHECK gp_status gp_lens_draw(const struct gp_log *log,
     const struct gp_lens *lens, const struct gp_lens_view *view,
     const struct gp_lens_light *light, int n, struct gp_planes *layer,

@@ -576,7 +576,9 @@ void gp_lens_item_draw(const struct gp_lens_item *it,
     const double step = steps->step;
     const struct gp_lens_cover k = {
         .v = steps->v + 3 * (size_t) top * (size_t) (steps->w + 2),
-        .w = steps->w, .top = top, .y0 = top, .y1 = end,
+        .w = steps->w,
+        .y0 = top,
+        .y1 = end,
     };
     double scale[3];
     for (int i = 0; i < (m->cells + 1) * (m->cells / 2 + 1); i++)

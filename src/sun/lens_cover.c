@@ -54,7 +54,7 @@ static void add_edge(const struct gp_lens_cover *k, double x0, double y0,
     const double low = gp_mind(x0, x1), high = gp_maxd(x0, x1);
     double x = gp_mind(gp_maxd(first + step * (from - top), low), high);
     int row = (int) from; // over 0
-    double *at = k->v + 3 * (size_t) (row - k->top) * (size_t) (k->w + 2);
+    double *at = k->v + 3 * (size_t) (row - k->y0) * (size_t) (k->w + 2);
     for (double y = from; y < to; row++, at += 3 * (k->w + 2)) {
         const double next = gp_mind(row + 1.0, to);
         const double after = gp_mind(gp_maxd(x + step * (next - y), low), high);
@@ -102,8 +102,9 @@ static void add_point(const struct gp_lens_cover *k, const double p[2],
 {
     if (!(p[0] >= 0.0 && p[0] < k->w && p[1] >= k->y0 && p[1] < k->y1))
         return;
-    double *const at = k->v + 3 * ((size_t) ((int) p[1] - k->top) *
-                                   (size_t) (k->w + 2) + (size_t) p[0]);
+    double *const at =
+        k->v + 3 * ((size_t) ((int) p[1] - k->y0) * (size_t) (k->w + 2) +
+                    (size_t) p[0]);
     add_light(at, 1.0, light);
     add_light(at + 3, -1.0, light);
 }

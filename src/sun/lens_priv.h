@@ -75,9 +75,8 @@ void gp_lens_optics_make(const struct gp_lens *lens, double nm,
                          struct gp_lens_optics *out);
 
 /* Traces a ray that meets the plane of the first surface at (x, y), with slope
- * u in x. `at`, if not NULL, gets a point for each step, and the one on the
- * sensor: (x, y, z). Source: sphere and refraction in vectors, as in Hullin et
- * al. 2011. */
+ * u in x. `at`, if not NULL, gets a point (x, y, z) for each step, and that on the
+ * sensor. Source: sphere and refraction in vectors, as in Hullin et al. 2011. */
 struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
     const struct gp_lens_path *path, double x, double y, double u,
     double (*at)[3]);
@@ -87,13 +86,11 @@ struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
 struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
                                         double angle);
 
-/* Traces meshes of a path with 16, 32, ... cells, until the light that arrives
- * and the area that it covers change by less than ten times `tolerance`, or
- * than would move an edge by `step` mm on the sensor, and, where `tolerance` is
- * under 1e-3, sides of cells are straight and even enough; sets `scale` by
- * Richardson's rule, as both err with the square of a cell.
- *   optics  GP_LENS_NODES of them
- *   out     free with gp_lens_mesh_free() */
+/* Traces meshes of a path at each of GP_LENS_NODES optics with 16, 32, ... cells, until
+ * the light that arrives and the area that it covers change by less than ten times
+ * `tolerance`, or than would move an edge by `step` mm on the sensor, and, where
+ * `tolerance` is under 1e-3, sides of cells are straight and even enough; sets `scale`
+ * by Richardson's rule, as both err with the square of a cell. */
 GP_MUST_CHECK gp_status gp_lens_mesh_make(const struct gp_log *log,
     const struct gp_lens_optics *optics, const struct gp_lens_path *path,
     const struct gp_lens_blades *blades, double u, double tolerance,
@@ -122,18 +119,17 @@ union gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
 int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
                 union gp_lens_corner c[GP_LENS_CORNERS]);
 
-/* Returns the area before the lens of a piece of a cell from one corner to the opposite one,
+/* Returns the area before the lens of a piece of the cell between two opposite corners,
  * and the shares of the cell's four corners in what is at the piece's middle. */
 double gp_lens_piece(const union gp_lens_corner *c, int n,
                      const union gp_lens_corner *from,
                      const union gp_lens_corner *to, double share[4]);
 
-/* Rows [top, ...) of an accumulator: w + 2 columns of three channels a row,
- * whose running sums are light a pixel. Draws rows from y0 up to y1. */
+/* Rows [y0, y1) of an accumulator: w + 2 columns of three channels a row, whose
+ * running sums are light a pixel. */
 struct gp_lens_cover {
-    double *v;       // borrowed, of row `top`
-    int w, top;
-    double y0, y1;
+    double *v; // borrowed, of row y0
+    int w, y0, y1;
 };
 
 /* Adds an edge: `light` a pixel more to its right where it goes up, less where
@@ -155,8 +151,8 @@ struct gp_lens_steps {
 };
 enum { GP_LENS_LEVELS = 5 }; // 1, 2, 4, 8 and 16 pixels a step
 
-/* Sums up the rows of all levels, folds each pixel's colour into the gamut, and adds them
- * to a layer of w x h. */
+/* Sums up the rows of all levels, and adds them to a layer of w x h, each pixel's
+ * colour folded into the gamut. */
 GP_MUST_CHECK gp_status
 gp_lens_steps_add(struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
                   const float luminance[3], struct gp_planes *layer);
@@ -174,9 +170,9 @@ enum {
 /* Wavelengths in nm that the rays have: of violet, green and red. */
 extern const double gp_lens_node[GP_LENS_NODES];
 
-/* Parts of the spectrum, whose rays are between those of the nodes (Lagrange). Their colours
- * are over the light of the image on the axis, and not folded into the gamut: a sum of
- * them is. */
+/* Parts of the spectrum, whose rays are between those of the nodes (Lagrange). Their
+ * colours, over the light of the image on the axis, are folded into the gamut when they
+ * are summed. */
 struct gp_lens_spectrum {
     double nm[GP_LENS_PARTS], at[GP_LENS_NODES][GP_LENS_PARTS];
     double rgb[3][GP_LENS_PARTS];
@@ -185,9 +181,9 @@ struct gp_lens_spectrum {
     float reflected[GP_LENS_SURFACES][GP_LENS_COSINES + 2][GP_LENS_PARTS];
 };
 
-/* The light of a path: two surfaces that reflect, NULL for a straight one; that of a ray on
- * the axis at each node, which the others let through, and in each part, over what the
- * nodes make of it. */
+/* The light of a path: of the two surfaces that reflect, if any; and of a ray on the axis
+ * that the others let through, at each node, and in each part over what the nodes make
+ * of it. */
 struct gp_lens_pair {
     const float (*by[2])[GP_LENS_PARTS]; // borrowed of a spectrum
     double axis[GP_LENS_NODES], over[GP_LENS_PARTS];
@@ -210,11 +206,11 @@ struct gp_lens_item {
     struct gp_lens_mesh mesh;
     struct gp_lens_blades blades;
     double flux[3], u;
-    double light[3];                      // of all that arrives
-    double along[2], aside[2], middle[2]; // pixels of the layer: of a mm along
-                                          // and across the light's axis, and
-                                          // of the lens's axis
-    const struct gp_lens_pair *pair;      // borrowed
+    double light[3]; // of all that arrives
+    // pixels of the layer: of a mm along and across the light's axis, and of the
+    // lens's axis
+    double along[2], aside[2], middle[2];
+    const struct gp_lens_pair *pair; // borrowed
     int level;         // of its step; negative: no cell is in the frame
     struct gp_lens_cell cell[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // halves
 };
@@ -231,9 +227,8 @@ struct gp_lens_rays {
     double density[(GP_LENS_CELLS + 2) * (GP_LENS_CELLS / 2 + 2)][3];
 };
 
-/* Makes the spectrum.
- *   chromaticities  8, of the frame
- *   image           light of the image on the axis at each node */
+/* Makes the spectrum, with the frame's 8 chromaticities and the light of the image on
+ * the axis at each node. */
 void gp_lens_spectrum_make(const float *chromaticities,
                            const struct gp_lens *lens,
                            const double image[GP_LENS_NODES],
@@ -245,24 +240,21 @@ void gp_lens_pair_make(const struct gp_lens_spectrum *s,
                        const struct gp_lens_path *path,
                        struct gp_lens_pair *out);
 
-/* Sums up the light of a ray in a band.
- *   root    of its share that passes at each node
- *   cosine  at its two reflections, in the thinner medium, at each node */
+/* Sums up the light of a ray in a band, by the root of its share that passes, and the
+ * cosines at its two reflections in the thinner medium, at each node. */
 void gp_lens_light_of(const struct gp_lens_spectrum *s,
                       const struct gp_lens_pair *pair,
                       const struct gp_lens_band *band,
                       const double root[GP_LENS_NODES],
                       const double cosine[2][GP_LENS_NODES], double out[3]);
 
-/* Sums up the light of an item's mesh, of a light of flux 1, and scales its cells so that
- * they have it. */
+/* Sums up the light of an item's mesh, of flux 1, which its cells then have. */
 void gp_lens_item_light(struct gp_lens_item *it,
                         const struct gp_lens_spectrum *s,
                         const float luminance[3]);
 
-/* Finds the step of an item with a mesh, the bands of each of its cells, and
- * the rows of those in the frame. `blur`: of its ghost; `ease` >= 1: bands
- * of many lights may be so much wider. */
+/* Finds the step of an item with a mesh, the bands of each of its cells, and the rows
+ * of those in the frame. Bands of many lights may be `ease` >= 1 times as wide. */
 void gp_lens_item_place(const struct gp_lens_view *v, double blur,
                         double ease, struct gp_lens_item *it);
 

@@ -310,7 +310,7 @@ static gp_status draw_kind(const struct gathering *k, int kind, bool *drawn)
         if (batch.most == 0)
             break;
         const struct gp_uniform uniform[] = {
-            {.name = "list", .texels = &s->entries},
+            {.name = "list", .image = &s->entries.texture},
             {.name = "tile", .v = {columns, rows}},
             {.name = "sums",
              .v = {batch.across, 2 * inner_sum((size_t) batch.most)}},

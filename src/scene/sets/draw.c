@@ -391,7 +391,8 @@ static gp_status draw_run(struct gp_drawing *d, struct run run,
 
 static void begin(const struct gp_drawing *d, struct inputs *in)
 {
-    in->u[0] = (struct gp_uniform) {.name = "vertices", .fetch = &d->vertices};
+    in->u[0] = (struct gp_uniform) {.name = "vertices",
+                                    .texture = &d->vertices.texture};
     in->n = 1;
     in->matrices = 0;
 }

@@ -332,7 +332,8 @@ static void lists_wait_for_draws(void **state)
                              SIDE, &target));
     gp_target_clear(gl, &target, all);
     for (int d = 0; d < DRAWS; d++) {
-        const struct gp_uniform u[] = {{.name = "list", .texels = &list}, {0}};
+        const struct gp_uniform u[] = {{.name = "list", .image = &list.texture},
+                                       {0}};
         if (d % 2 == 0) {
             gp_buffer_free(gl, &list);
             assert_ok(gp_buffer_make(&kept_log, gl, "l", GP_BUFFER_TEXELS, 64,

@@ -188,10 +188,10 @@ static void objects_are_refused(void **state)
         MAKES(gp_buffer_make(&kept_log, gl, "d", GP_BUFFER_BLOCK, 1, &b));
         MAKES(gp_program_make(&kept_log, gl, "", "add.vert", "add.frag", &p));
 #undef MAKES
-        assert_true((t.id && g.framebuffer && l.id && l.texture && b.id &&
+        assert_true((t.id && g.framebuffer && l.id && l.texture.id && b.id &&
                      p.id) == !broken);
         assert_true((t.id || g.framebuffer || g.colour.id || l.id ||
-                     l.texture || b.id || p.id) == !broken);
+                     l.texture.id || b.id || p.id) == !broken);
         gp_texture_free(gl, &t);
         gp_target_free(gl, &g);
         gp_buffer_free(gl, &l);

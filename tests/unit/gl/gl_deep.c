@@ -66,8 +66,9 @@ static int tear_down(void **state)
 
 static void draw(int square, struct gp_draw d)
 {
-    const struct gp_uniform u[] = {{.name = "list", .fetch = &list},
-                                   {.name = "turn", .matrix = same}, {0}};
+    const struct gp_uniform u[] = {{.name = "list", .texture = &list.texture},
+                                   {.name = "turn", .matrix = same},
+                                   {0}};
     if (!d.program)
         d.program = &program;
     d.target = &target;
@@ -149,8 +150,9 @@ static void matrices_and_clips_arrive(void **state)
 {
     float px[4 * PIXELS];
     const float moved[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, .5f, 0, 0, 1};
-    const struct gp_uniform u[] = {{.name = "list", .fetch = &list},
-                                   {.name = "turn", .matrix = moved}, {0}};
+    const struct gp_uniform u[] = {{.name = "list", .texture = &list.texture},
+                                   {.name = "turn", .matrix = moved},
+                                   {0}};
     struct gp_program clips_x = {0};
     assert_ok(gp_program_from_text(&kept_log, gl, "", &clipped, &frag,
                                    &clips_x));
@@ -192,8 +194,9 @@ static void depth_alone_is_a_texture(void **state)
         "c = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).rrrr; }\n"};
     struct gp_target map = {0}, refused = {0};
     struct gp_program reads = {0};
-    const struct gp_uniform u[] = {{.name = "list", .fetch = &list},
-                                   {.name = "turn", .matrix = same}, {0}};
+    const struct gp_uniform u[] = {{.name = "list", .texture = &list.texture},
+                                   {.name = "turn", .matrix = same},
+                                   {0}};
     assert_ok(gp_target_make(&kept_log, gl, "map", GP_TEXEL_DEPTH, 0, SIDE,
                              SIDE, &map));
     assert_ok(gp_program_from_text(&kept_log, gl, "", &vert, &reader, &reads));
@@ -202,7 +205,7 @@ static void depth_alone_is_a_texture(void **state)
         .program = &program, .target = &map, .cut = {0, 0, SIDE, 4},
         .uniform = u, .vertices = 6, .instances = 1, .depth = GP_DEPTH_WRITE};
     assert_ok(gp_draw_run(&kept_log, gl, &shadow));
-    const struct gp_uniform v[] = {{.name = "list", .fetch = &list},
+    const struct gp_uniform v[] = {{.name = "list", .texture = &list.texture},
                                    {.name = "turn", .matrix = same},
                                    {.name = "depth", .texture = &map.depth},
                                    {0}};

@@ -356,7 +356,7 @@ static void cover_is_exact(void **state)
     enum { W = 9, H = 7 };
     static const double light[3] = {1.0, 2.0, 0.5};
     double v[H * (W + 2) * 3];
-    const struct gp_lens_cover k = {v, W, 0, 0.0, H};
+    const struct gp_lens_cover k = {v, W, 0, H};
     static const double shapes[][4][2] = {
         {{1.25, 1.5}, {4.75, 1.5}, {4.75, 4.25}, {1.25, 4.25}},
         {{1.25, 1.5}, {1.25, 4.25}, {4.75, 4.25}, {4.75, 1.5}},
