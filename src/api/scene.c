@@ -293,9 +293,9 @@ gp_status gp_api_pose(struct glarepp_frame *f)
         }
         own->light[i] = spec_of(f->plan, l, c, f->image.display);
     }
-    f->work->lights->suns.more = (struct gp_suns_more) {
-        .light = own->light, .lights = own->scene.lights, .camera = c,
-    };
+    f->work->lights->suns.more = own->light;
+    f->work->lights->suns.mores = own->scene.lights;
+    f->work->lights->suns.camera = c;
     return GP_OK;
 }
 

@@ -375,35 +375,22 @@ static int clamp_texel(float v, int size)
     return (int) gp_maxf(-2.0f, gp_minf(v, (float) size));
 }
 
-/* Bilinear sample at a place in texels; 0 outside. */
+/* Bilinear sample: of texel (x, y) and the next ones, by the shares of these. */
+static float mix(const struct gp_flare_image *m, int c, int x, int y,
+                 float right, float below)
+{
+    return blend(blend(texel(m, c, x, y), texel(m, c, x + 1, y), right),
+                 blend(texel(m, c, x, y + 1), texel(m, c, x + 1, y + 1), right),
+                 below);
+}
+
+/* The same at a place in texels; 0 outside. */
 static float sample(const struct gp_flare_image *m, int c, float x, float y)
 {
     const float u = x - 0.5f, v = y - 0.5f;
     const float left = floorf(u), top = floorf(v);
-    const int tx = clamp_texel(left, m->w), ty = clamp_texel(top, m->h);
-    const float upper = blend(texel(m, c, tx, ty), texel(m, c, tx + 1, ty),
-                              u - left);
-    const float lower = blend(texel(m, c, tx, ty + 1),
-                              texel(m, c, tx + 1, ty + 1), u - left);
-    return blend(upper, lower, v - top);
-}
-
-/* At its own pixels, n of texel row ty: all have the same weights. */
-static void add_plain(const struct gp_flare_quad *q, int c, int ty, int n,
-                      float amount, float *out)
-{
-    const struct gp_flare_image *const m = q->image;
-    float left[2] = {texel(m, c, q->corner[0], ty),
-                     texel(m, c, q->corner[0], ty + 1)};
-    for (int i = 0; i < n; i++) {
-        const int next = q->corner[0] + i + 1;
-        const float right[2] = {texel(m, c, next, ty),
-                                texel(m, c, next, ty + 1)};
-        out[i] += amount * blend(blend(left[0], right[0], q->fraction[0]),
-                                 blend(left[1], right[1], q->fraction[0]),
-                                 q->fraction[1]);
-        memcpy(left, right, sizeof left);
-    }
+    return mix(m, c, clamp_texel(left, m->w), clamp_texel(top, m->h), u - left,
+               v - top);
 }
 
 static void add_image(const struct gp_flare_quad *q, int y,
@@ -414,8 +401,10 @@ static void add_image(const struct gp_flare_quad *q, int y,
     for (int c = 0; c < 3; c++) {
         const float cosine = q->turn[0] * q->radius[c];
         const float sine = q->turn[1] * q->radius[c];
-        if (q->plain)
-            add_plain(q, c, q->corner[1] + row, n, amount[c], out[c]);
+        for (int i = 0; i < n && q->plain; i++)
+            out[c][i] += amount[c] * mix(q->image, c, q->corner[0] + i,
+                                         q->corner[1] + row, q->fraction[0],
+                                         q->fraction[1]);
         for (int i = 0; i < n && !q->plain; i++) {
             const float px = q->base[0] + (float) i;
             const float u = px * cosine - py * sine + q->inner[0];

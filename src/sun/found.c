@@ -21,13 +21,13 @@ struct run {
     int x0, x1, y;
     uint32_t root;
     uint32_t first; // source
-    bool wide;      // of a blob that is no light
 };
 
 struct blob {
     struct gp_rect box;
     uint32_t root;
     double light; // luminance, of its sources
+    bool wide;    // no light
 };
 
 struct finding {
@@ -76,8 +76,7 @@ static uint32_t list_runs(const struct finding *d, float level, struct run *out)
             const bool first = bright && !(open && s->x[i] == s->x[i - 1] + 1);
             n += first;
             if (out && first)
-                out[n - 1] =
-                    (struct run) {s->x[i], s->x[i], y, n - 1, i, false};
+                out[n - 1] = (struct run) {s->x[i], s->x[i], y, n - 1, i};
             if (out && bright)
                 out[n - 1].x1++;
             open = bright;
@@ -160,17 +159,17 @@ static gp_status list_blobs(const struct gp_log *log, struct finding *d)
         b->root = r->root;
     }
     for (uint32_t k = 0; k < runs; k++) {
-        struct run *const r = &d->run[k];
+        const struct run *const r = &d->run[k];
         struct blob *const b = &d->blob[r->root];
-        r->wide = gp_rect_w(b->box) > most || gp_rect_h(b->box) > most;
-        d->wide = d->wide || r->wide;
-        for (int i = 0; i < r->x1 - r->x0 && !r->wide; i++) {
+        b->wide = gp_rect_w(b->box) > most || gp_rect_h(b->box) > most;
+        d->wide = d->wide || b->wide;
+        for (int i = 0; i < r->x1 - r->x0 && !b->wide; i++) {
             b->light += (double) d->bright[r->first + (uint32_t) i];
             d->bright[r->first + (uint32_t) i] = -INFINITY;
         }
     }
     for (uint32_t k = 0; k < runs; k++) {
-        if (d->run[k].root == k && !d->run[k].wide)
+        if (d->run[k].root == k && !d->blob[k].wide)
             rank(d, &d->blob[k]);
     }
     return GP_OK;

@@ -229,17 +229,18 @@ static int spots_of(const struct gp_lens_mesh *m, const int at[4],
     return n;
 }
 
-/* Widens a box by a spot in one half of a mesh. */
-static void widen(const struct gp_lens_item *it, const struct spot *s, int half,
-                  struct box *b)
+/* Widens the boxes of both halves of a mesh by a spot. */
+static void widen(const struct gp_lens_item *it, const struct spot *s,
+                  struct box box[2])
 {
-    for (int k = 0; k < GP_LENS_NODES; k++) {
-        const double aside = half ? -s->y[k] : s->y[k];
-        const double x = it->middle[0] + s->x[k] * it->along[0] +
-                         aside * it->aside[0];
-        const double y = it->middle[1] + s->x[k] * it->along[1] +
-                         aside * it->aside[1];
-        join(b, (struct box) {x, y, x, y});
+    for (int k = 0; k < 2 * GP_LENS_NODES; k++) {
+        const double along = s->x[k / 2];
+        const double aside = k % 2 ? -s->y[k / 2] : s->y[k / 2];
+        const double x =
+            it->middle[0] + along * it->along[0] + aside * it->aside[0];
+        const double y =
+            it->middle[1] + along * it->along[1] + aside * it->aside[1];
+        join(&box[k % 2], (struct box) {x, y, x, y});
     }
 }
 
@@ -262,8 +263,7 @@ static bool measure(const struct gp_lens_view *v,
         *apart = gp_maxd(*apart, gp_hypot(spot[e].x[last] - spot[e].x[0],
                                           spot[e].y[last] - spot[e].y[0]) /
                                      pixel);
-        widen(it, &spot[e], 0, &box[0]);
-        widen(it, &spot[e], 1, &box[1]);
+        widen(it, &spot[e], box);
     }
     return n > 0;
 }

@@ -323,28 +323,27 @@ out:
     return st;
 }
 
-/* The disc of what a light's own, d, has beyond the frame, around its whole pixel, to
+/* Makes a light's disc that of what it has beyond the frame, around its whole pixel, to
  * which the light moves. */
-static gp_status make_rest(const struct gp_log *log, const struct disc *d,
-                           struct gp_rect frame, struct gp_light *l,
-                           struct disc *out)
+static gp_status cut_disc(const struct gp_log *log, struct gp_rect frame,
+                          struct gp_light *l, struct disc *d)
 {
-    const int m = d->m + 1, side = 2 * m + 1;
+    const struct disc own = *d;
+    const int m = own.m + 1, side = 2 * m + 1;
     int left = 0, top = 0;
+    *d = (struct disc) {.m = m};
     gp_status st =
         gp_alloc(log, "disc of a light", (size_t) side * (size_t) side,
-                 sizeof *out->weight, &out->weight);
-    if (st)
-        return st;
-    for (int i = 0; i < side * side; i++) {
+                 sizeof *d->weight, &d->weight);
+    for (int i = 0; i < side * side && !st; i++) {
         const int x = i % side - m, y = i / side - m;
-        const double w = share_at(d, l, x, y, &left, &top);
-        out->weight[i] = is_in(frame, left + x, top + y) ? 0.0f : (float) w;
+        const double w = share_at(&own, l, x, y, &left, &top);
+        d->weight[i] = is_in(frame, left + x, top + y) ? 0.0f : (float) w;
     }
-    out->m = m;
+    gp_free(own.weight);
     l->x = left + 0.5;
     l->y = top + 0.5;
-    return GP_OK;
+    return st;
 }
 
 // -- drawing -----------------------------------------------------------------
@@ -367,21 +366,20 @@ static gp_status draw_sprite(const struct gp_log *log,
     const int high = gp_rect_h(f->display);
     const bool partly = is_partly(suns, light, f->data);
     struct gp_light l = *light;
-    struct disc d = {0}, rest = {0};
+    struct disc d = {0};
     gp_status st;
     if (partly || s->radius != l.radius) {
         l.radius = partly ? l.radius : fmax(l.radius, 0.5);
         GP_TRY(make_disc(log, l.radius, &d));
         if (partly)
-            GP_TRY(make_rest(log, &d, f->data, &l, &rest));
+            GP_TRY(cut_disc(log, f->data, &l, &d));
         s->radius = 0.0;
-        GP_TRY(make_sprite(log, kernel, partly ? &rest : &d, high, &s->flare));
+        GP_TRY(make_sprite(log, kernel, &d, high, &s->flare));
         s->radius = partly ? 0.0 : light->radius;
     }
     GP_TRY(gp_flare_add(log, &s->flare, &l, 1, f->data, f->display, &f->layer));
 out:
     gp_free(d.weight);
-    gp_free(rest.weight);
     return st;
 }
 

@@ -47,7 +47,7 @@ static const struct glarepp_light *spec_at(const struct gp_suns *suns, int i)
     const int own = suns->p->lights, read = own + suns->reads;
     return i < own    ? &suns->p->light[i]
            : i < read ? &suns->read[i - own]
-                      : &suns->more.light[i - read];
+                      : &suns->more[i - read];
 }
 
 gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_params *p,
@@ -169,12 +169,11 @@ gp_status gp_suns_find(const struct gp_log *log,
                        const struct gp_image *f, struct gp_suns *suns)
 {
     const struct glarepp_light_params *const p = suns->p;
-    const struct gp_suns_more *const more = &suns->more;
-    const int read = p->lights + suns->reads, all = read + more->lights;
+    const int read = p->lights + suns->reads, all = read + suns->mores;
     const struct gp_camera_frame *entry;
     struct gp_camera camera;
-    bool found = false, needed = p->cameras || more->lights > 0 ||
-                                p->outside == GLAREPP_BY_SCENE;
+    bool found = false, needed = p->cameras || suns->mores > 0 ||
+                                 p->outside == GLAREPP_BY_SCENE;
     gp_status st;
     GP_FREE(suns->light);
     suns->n = suns->placed = 0;
@@ -185,9 +184,9 @@ gp_status gp_suns_find(const struct gp_log *log,
     GP_TRY(find_entry(log, suns, about, f, &entry));
     if (needed)
         GP_TRY(gp_suns_camera(log, suns, about, f, &camera, &found));
-    if (needed && !found && more->camera) {
+    if (needed && !found && suns->camera) {
         found = true;
-        camera = *more->camera;
+        camera = *suns->camera;
     }
     // where the command line names none
     const bool sun = entry && entry->has_sun && !p->lights;

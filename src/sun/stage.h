@@ -17,14 +17,6 @@
 
 #include <stdbool.h>
 
-/* Lights and a camera of a frame that the caller knows, of a scene. Borrowed
- * from gp_suns_find() to the end of the frame. */
-struct gp_suns_more {
-    const struct glarepp_light *light; // join those of the run
-    int lights;
-    const struct gp_camera *camera;    // of frames that have none; NULL: none
-};
-
 /* Reads the image of a flare element; `user` as given beside it. */
 typedef gp_status (*gp_sun_picture)(void *user, const struct gp_log *log,
                                     const char *path, struct gp_image *out);
@@ -50,7 +42,10 @@ struct gp_suns {
     struct gp_gl *gl;
     struct gp_sun_map map;
     // of the frame
-    struct gp_suns_more more;   // set by the caller, before gp_suns_find()
+    // of a scene: set by the caller, before gp_suns_find(); borrowed
+    const struct glarepp_light *more; // lights that join those of the run
+    int mores;
+    const struct gp_camera *camera; // of frames that have none; NULL: none
     struct gp_occluders occluders;
     struct gp_light *light; // owned; those found come after
     int n, placed;          // ... so many
