@@ -79,7 +79,7 @@ struct gp_tree_node {
 };
 
 enum {
-    BINS = 12, MOST_LEVELS = 48,
+    MOST_LEVELS = 48,
     LEAF = 4,   // items, at most
     DEEP = 256, // nodes and leaves that wait in a walk, at most
 };
@@ -89,20 +89,6 @@ struct range {
     int first, count, level;
 };
 
-struct builder {
-    const struct gp_box *box;
-    struct gp_tree *tree;
-};
-
-/* Returns half the surface of a box; 0 of an empty one. */
-static double surface(const struct gp_box *b)
-{
-    const double x = fmax(b->hi.x - b->lo.x, 0.0);
-    const double y = fmax(b->hi.y - b->lo.y, 0.0);
-    const double z = fmax(b->hi.z - b->lo.z, 0.0);
-    return x * y + y * z + z * x;
-}
-
 /* Returns twice the middle of a box on an axis. */
 static double middle(const struct gp_box *b, int axis)
 {
@@ -111,85 +97,37 @@ static double middle(const struct gp_box *b, int axis)
                        : b->lo.z + b->hi.z;
 }
 
-struct bin {
-    struct gp_box box;
-    int n;
-};
-
-/* Items are below a split if their bin on the axis is. */
-struct split {
-    int axis, bin; // axis -1: none
-    double low, per;
-    double cost;
-};
-
-static int bin_of(const struct gp_box *b, const struct split *s)
+/* Splits a range in two, neither empty: at the middle of its items' middles on the
+ * axis on which these are farthest apart, or in halves. */
+static void split_range(const struct gp_box *box, struct gp_tree *t,
+                        struct range r, struct range out[2])
 {
-    const double at = (middle(b, s->axis) - s->low) * s->per;
-    return !(at > 0.0) ? 0 : at >= BINS - 1 ? BINS - 1 : (int) at; // NaN: 0
-}
-
-/* Tries the splits of an axis, and keeps the best. */
-static void try_axis(const struct builder *b, struct range r, int axis,
-                     struct split *best)
-{
-    const int *const item = b->tree->item + r.first;
-    struct bin bin[BINS];
-    double above[BINS] = {0}, low = INFINITY, high = -INFINITY;
-    for (int i = 0; i < r.count; i++) {
-        const double at = middle(&b->box[item[i]], axis);
-        low = fmin(low, at);
-        high = fmax(high, at);
-    }
-    struct split s = {.axis = axis, .low = low, .per = BINS / (high - low)};
-    if (!isfinite(s.per))
-        return;
-    for (int i = 0; i < BINS; i++)
-        bin[i] = (struct bin) {.box = GP_BOX_EMPTY};
-    for (int i = 0; i < r.count; i++) {
-        const struct gp_box *const box = &b->box[item[i]];
-        struct bin *const k = &bin[bin_of(box, &s)];
-        k->box = gp_box_join(k->box, *box);
-        k->n++;
-    }
-    struct gp_box all = GP_BOX_EMPTY;
-    for (int i = BINS - 1, n = 0; i > 0; i--) {
-        all = gp_box_join(all, bin[i].box);
-        n += bin[i].n;
-        above[i] = surface(&all) * n;
-    }
-    all = GP_BOX_EMPTY;
-    for (int i = 1, n = 0; i < BINS; i++) {
-        all = gp_box_join(all, bin[i - 1].box);
-        n += bin[i - 1].n;
-        s.bin = i;
-        s.cost = surface(&all) * n + above[i];
-        if (n > 0 && n < r.count && s.cost < best->cost)
-            *best = s;
-    }
-}
-
-/* Splits a range in two, neither empty. */
-static void split_range(const struct builder *b, struct range r,
-                        struct range out[2])
-{
-    int *const item = b->tree->item + r.first;
-    struct split best = {.axis = -1, .cost = INFINITY};
-    int below = r.count / 2;
-    for (int axis = 0; axis < 3 && r.level < MOST_LEVELS; axis++)
-        try_axis(b, r, axis, &best);
-    if (best.axis >= 0) {
-        int j = r.count - 1;
-        for (below = 0; below <= j;) {
-            if (bin_of(&b->box[item[below]], &best) < best.bin) {
-                below++;
-                continue;
-            }
-            const int swap = item[below];
-            item[below] = item[j];
-            item[j--] = swap;
+    int *const item = t->item + r.first;
+    double at = 0.0, wide = 0.0;
+    int best = 0, below = 0, j = r.count - 1;
+    for (int axis = 0; axis < 3 && r.level < MOST_LEVELS; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int i = 0; i < r.count; i++) {
+            low = fmin(low, middle(&box[item[i]], axis));
+            high = fmax(high, middle(&box[item[i]], axis));
+        }
+        if (high - low > wide) {
+            best = axis;
+            wide = high - low;
+            at = 0.5 * (low + high);
         }
     }
+    while (wide > 0.0 && below <= j) {
+        if (middle(&box[item[below]], best) < at) {
+            below++;
+            continue;
+        }
+        const int swap = item[below];
+        item[below] = item[j];
+        item[j--] = swap;
+    }
+    if (below == 0 || below == r.count)
+        below = r.count / 2;
     out[0] = (struct range) {r.first, below, r.level + 1};
     out[1] = (struct range) {r.first + below, r.count - below, r.level + 1};
 }
@@ -204,10 +142,11 @@ static float below(double v)
  * is no leaf again; returns its node. A node of five items or more has three
  * for each node at most: there are at most n / 3 + 1. */
 // NOLINTNEXTLINE(misc-no-recursion): as deep as the tree
-static int make_node(struct builder *b, struct range r)
+static int make_node(const struct gp_box *box, struct gp_tree *t,
+                     struct range r)
 {
-    const int i = b->tree->nodes++;
-    struct gp_tree_node *const node = &b->tree->node[i];
+    const int i = t->nodes++;
+    struct gp_tree_node *const node = &t->node[i];
     struct range part[4] = {r};
     for (int parts = 1; parts < 4; parts++) {
         int most = 0;
@@ -216,35 +155,34 @@ static int make_node(struct builder *b, struct range r)
         if (part[most].count <= LEAF)
             break;
         struct range two[2];
-        split_range(b, part[most], two);
+        split_range(box, t, part[most], two);
         part[most] = two[0];
         part[parts] = two[1];
     }
     for (int k = 0; k < 4; k++) {
-        struct gp_box box = GP_BOX_EMPTY;
+        struct gp_box all = GP_BOX_EMPTY;
         for (int j = part[k].first; j < part[k].first + part[k].count; j++)
-            box = gp_box_join(box, b->box[b->tree->item[j]]);
+            all = gp_box_join(all, box[t->item[j]]);
         const bool leaf = part[k].count <= LEAF;
-        node->bound[0][k] = below(box.lo.x);
-        node->bound[1][k] = below(box.lo.y);
-        node->bound[2][k] = below(box.lo.z);
-        node->bound[3][k] = -below(-box.hi.x);
-        node->bound[4][k] = -below(-box.hi.y);
-        node->bound[5][k] = -below(-box.hi.z);
+        node->bound[0][k] = below(all.lo.x);
+        node->bound[1][k] = below(all.lo.y);
+        node->bound[2][k] = below(all.lo.z);
+        node->bound[3][k] = -below(-all.hi.x);
+        node->bound[4][k] = -below(-all.hi.y);
+        node->bound[5][k] = -below(-all.hi.z);
         node->count[k] = leaf ? part[k].count : -1;
-        node->first[k] = leaf ? part[k].first : make_node(b, part[k]);
+        node->first[k] = leaf ? part[k].first : make_node(box, t, part[k]);
     }
     return i;
 }
 
-/* Makes the tree of n boxes: splits by the least sum of surfaces times items
- * (MacDonald and Booth 1990) over 12 bins an axis (Wald 2007), 48 levels deep
- * at most, in the middle below. `out` is zero; free_tree() frees it in any
+/* Makes the tree of n boxes: splits at the middle, 48 levels deep at most, and in
+ * halves below. (The least sum of surfaces times items, MacDonald and Booth 1990,
+ * saves 6 to 20 % of a ray's time.) `out` is zero; free_tree() frees it in any
  * case. */
 static gp_status make_tree(const struct gp_log *log, const struct gp_box *box,
                            int n, struct gp_tree *out)
 {
-    struct builder b = {.box = box, .tree = out};
     gp_status st;
     GP_TRY(gp_alloc(log, "tree of boxes", (size_t) n, sizeof *out->item,
                     &out->item));
@@ -254,7 +192,7 @@ static gp_status make_tree(const struct gp_log *log, const struct gp_box *box,
         out->item[i] = i;
     out->n = n;
     if (n > 0)
-        make_node(&b, (struct range) {0, n, 0});
+        make_node(box, out, (struct range) {0, n, 0});
 out:
     return st;
 }
