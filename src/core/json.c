@@ -159,8 +159,9 @@ gp_status gp_json_fail(const struct gp_json_place *p, const char *fmt, ...)
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    if (p->index > 0)
-        snprintf(place, sizeof place, ": %s %d", p->what, p->index);
+    if (p->index)
+        snprintf(place, sizeof place, ": %s %d", p->what,
+                 p->index > 0 ? p->index : -1 - p->index);
     return gp_fail(p->log, GP_ERR_DATA, "%s%s: %s", p->path, place, text);
 }
 

@@ -31,7 +31,7 @@ struct gp_json_place {
     const struct gp_log *log;
     const char *path;  // file
     const char *what;  // "light", "element", "frame"
-    int index;         // from 1; 0: the file itself
+    int index;         // from 1; -1 - N: N, counted from 0; 0: the file itself
 };
 
 /* Prints "lights.json: light 3: TEXT", or "lights.json: TEXT"; returns

@@ -29,14 +29,15 @@ static int type_bytes(int type)
 
 /* Checks that `count` elements of that many bytes are in a buffer view. */
 static gp_status check_numbers(const struct gp_gltf *g,
-    const struct gp_gltf_at *at, json_t *o, bool strided, int count, int bytes,
-    struct gp_gltf_numbers *out)
+                               const struct gp_json_place *at, json_t *o,
+                               bool strided, int count, int bytes,
+                               struct gp_gltf_numbers *out)
 {
     struct gp_gltf_span span;
     int view, offset = 0, stride;
     gp_status st;
     GP_TRY(gp_gltf_index(g, at, o, "bufferView", "bufferViews", &view));
-    GP_TRY(gp_json_int(&at->p, o, "byteOffset", 0, INT_MAX, &offset));
+    GP_TRY(gp_json_int(at, o, "byteOffset", 0, INT_MAX, &offset));
     if (view < 0)
         return GP_OK; // zeros
     GP_TRY(gp_gltf_view(g, view, &span, &stride));
@@ -59,13 +60,12 @@ out:
 static gp_status check_sparse(const struct gp_gltf *g, json_t *o,
                               struct gp_gltf_accessor *a)
 {
-    const struct gp_gltf_at *const at = &a->place;
+    const struct gp_json_place *const at = &a->place;
     json_t *const where = json_object_get(o, "indices");
     json_t *const with = json_object_get(o, "values");
     gp_status st;
-    GP_TRY(gp_json_int(&at->p, o, "count", 1, a->count, &a->sparse));
-    GP_TRY(gp_json_int(&at->p, where, "componentType", U8, U32,
-                       &a->where.type));
+    GP_TRY(gp_json_int(at, o, "count", 1, a->count, &a->sparse));
+    GP_TRY(gp_json_int(at, where, "componentType", U8, U32, &a->where.type));
     if (a->where.type != U8 && a->where.type != U16 && a->where.type != U32)
         return gp_gltf_fail(at, "\"sparse\" counts in component type %d",
                             a->where.type);
@@ -87,14 +87,14 @@ gp_status gp_gltf_accessor(const struct gp_gltf *g, int index,
         "SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4", NULL,
     };
     json_t *const o = gp_gltf_item(g, "accessors", index);
-    const struct gp_gltf_at *const at = &out->place;
+    const struct gp_json_place *const at = &out->place;
     int type = -1;
     gp_status st;
     memset(out, 0, sizeof *out);
-    gp_gltf_place(g, "accessor", index, &out->place);
-    GP_TRY(gp_json_int(&at->p, o, "componentType", I8, F32, &out->all.type));
-    GP_TRY(gp_json_choice(&at->p, o, "type", types, &type));
-    GP_TRY(gp_json_int(&at->p, o, "count", 1, INT_MAX / 16, &out->count));
+    out->place = gp_gltf_at(g, "accessor", index);
+    GP_TRY(gp_json_int(at, o, "componentType", I8, F32, &out->all.type));
+    GP_TRY(gp_json_choice(at, o, "type", types, &type));
+    GP_TRY(gp_json_int(at, o, "count", 1, INT_MAX / 16, &out->count));
     if (!type_bytes(out->all.type) || type < 0 || type > 3 || !out->count)
         return gp_gltf_fail(at, "%s", out->count ? "a type that is not read "
                             "(numbers and vectors are)" : "no \"count\"");

@@ -17,14 +17,14 @@ static const int components_of[GP_KEY_PATHS] = {3, 4, 3};
 
 // -- reading ------------------------------------------------------------------
 
-static gp_status read_keys(struct gp_gltf *g, const struct gp_gltf_at *at,
+static gp_status read_keys(struct gp_gltf *g, const struct gp_json_place *at,
                            json_t *sampler, struct gp_keys *out)
 {
     static const char *const ways[] = {"STEP", "LINEAR", "CUBICSPLINE", NULL};
     struct gp_gltf_accessor input, output;
     int from, to, way = GP_KEY_LINEAR;
     gp_status st;
-    GP_TRY(gp_json_choice(&at->p, sampler, "interpolation", ways, &way));
+    GP_TRY(gp_json_choice(at, sampler, "interpolation", ways, &way));
     GP_TRY(gp_gltf_index(g, at, sampler, "input", "accessors", &from));
     GP_TRY(gp_gltf_index(g, at, sampler, "output", "accessors", &to));
     if (from < 0 || to < 0)
@@ -38,13 +38,10 @@ static gp_status read_keys(struct gp_gltf *g, const struct gp_gltf_at *at,
                             input.count));
     out->way = (enum gp_key_way) way;
     out->n = input.count;
-    GP_TRY(gp_gltf_take(g, sizeof(float) * ((size_t) input.count +
-        (size_t) output.count * (size_t) components)));
-    GP_TRY(gp_alloc(g->log, g->path, (size_t) input.count, sizeof *out->time,
-                    &out->time));
-    GP_TRY(gp_alloc(g->log, g->path,
-                    (size_t) output.count * (size_t) components,
-                    sizeof *out->value, &out->value));
+    GP_TRY(
+        gp_gltf_alloc(g, (size_t) input.count, sizeof *out->time, &out->time));
+    GP_TRY(gp_gltf_alloc(g, (size_t) output.count * (size_t) components,
+                         sizeof *out->value, &out->value));
     GP_TRY(gp_gltf_floats(&input, 1, out->time));
     GP_TRY(gp_gltf_floats(&output, components, out->value));
     for (int i = 1; i < out->n; i++) {
@@ -57,7 +54,7 @@ out:
     return st;
 }
 
-static gp_status read_channel(struct gp_gltf *g, const struct gp_gltf_at *at,
+static gp_status read_channel(struct gp_gltf *g, const struct gp_json_place *at,
                               json_t *animation, json_t *o,
                               struct gp_scene_nodes *nodes, uint8_t *moved)
 {
@@ -67,9 +64,9 @@ static gp_status read_channel(struct gp_gltf *g, const struct gp_gltf_at *at,
     json_t *const target = json_object_get(o, "target");
     int node, path = -1, sampler = -1;
     gp_status st;
-    GP_TRY(gp_json_int(&at->p, o, "sampler", 0, INT_MAX, &sampler));
+    GP_TRY(gp_json_int(at, o, "sampler", 0, INT_MAX, &sampler));
     GP_TRY(gp_gltf_index(g, at, target, "node", "nodes", &node));
-    GP_TRY(gp_json_choice(&at->p, target, "path", paths, &path));
+    GP_TRY(gp_json_choice(at, target, "path", paths, &path));
     json_t *const s = json_array_get(samplers, (size_t) sampler);
     if (!json_is_object(s) || path < 0)
         GP_TRY(gp_gltf_fail(at, "a channel without sampler or path (sampler %d "
@@ -107,15 +104,12 @@ gp_status gp_gltf_animations(struct gp_gltf *g, struct gp_scene *out)
             json_object_get(gp_gltf_item(g, "animations", i), "channels"));
     if (!channels)
         return GP_OK;
-    GP_TRY(gp_gltf_take(g, channels * sizeof *nodes->key));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) nodes->n, 1, &moved));
-    GP_TRY(gp_alloc_zero(g->log, g->path, channels, sizeof *nodes->key,
-                         &nodes->key));
+    GP_TRY(gp_gltf_alloc(g, channels, sizeof *nodes->key, &nodes->key));
+    GP_TRY(gp_gltf_alloc(g, (size_t) nodes->n, 1, &moved));
     for (int i = 0; i < n; i++) {
         json_t *const o = gp_gltf_item(g, "animations", i), *channel;
-        struct gp_gltf_at at;
+        const struct gp_json_place at = gp_gltf_at(g, "animation", i);
         size_t k;
-        gp_gltf_place(g, "animation", i, &at);
         json_array_foreach (json_object_get(o, "channels"), k, channel) {
             GP_TRY(read_channel(g, &at, o, channel, nodes, moved));
         }

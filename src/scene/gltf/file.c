@@ -31,31 +31,18 @@ static const char *const lists[] = {
 
 // -- places and messages ------------------------------------------------------
 
-void gp_gltf_place(const struct gp_gltf *g, const char *what, int index,
-                   struct gp_gltf_at *out)
-{
-    const size_t most = sizeof out->path - 64;
-    const size_t length = strlen(g->path);
-    const char *const tail = g->path + (length > most ? length - most : 0);
-    if (what)
-        snprintf(out->path, sizeof out->path, "%s: %s %d", tail, what, index);
-    else
-        snprintf(out->path, sizeof out->path, "%s", tail);
-    out->p = (struct gp_json_place) {.log = g->log, .path = out->path};
-}
-
-gp_status gp_gltf_fail(const struct gp_gltf_at *at, const char *fmt, ...)
+gp_status gp_gltf_fail(const struct gp_json_place *at, const char *fmt, ...)
 {
     char text[1024];
     va_list args;
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    return gp_fail(at->p.log, GP_ERR_DATA, "%s: %s; export the scene again",
-                   at->path, text);
+    return gp_json_fail(at, "%s; export the scene again", text);
 }
 
-gp_status gp_gltf_take(struct gp_gltf *g, size_t bytes)
+/* Counts content that takes `bytes` of memory. */
+static gp_status take(struct gp_gltf *g, size_t bytes)
 {
     const size_t most = (size_t) MOST_FIXED + MOST_COPIES * g->file_bytes;
     if (bytes > most - g->taken)
@@ -64,6 +51,12 @@ gp_status gp_gltf_take(struct gp_gltf *g, size_t bytes)
                             g->file_bytes >> 10);
     g->taken += bytes;
     return GP_OK;
+}
+
+gp_status gp_gltf_alloc(struct gp_gltf *g, size_t count, size_t size, void *out)
+{
+    const gp_status st = take(g, count * size);
+    return st ? st : gp_alloc_zero(g->log, g->path, count, size, out);
 }
 
 // -- items --------------------------------------------------------------------
@@ -78,12 +71,12 @@ json_t *gp_gltf_item(const struct gp_gltf *g, const char *list, int index)
     return json_array_get(json_object_get(g->root, list), (size_t) index);
 }
 
-gp_status gp_gltf_index(const struct gp_gltf *g, const struct gp_gltf_at *at,
+gp_status gp_gltf_index(const struct gp_gltf *g, const struct gp_json_place *at,
                         json_t *o, const char *key, const char *list, int *out)
 {
     const int n = gp_gltf_count(g, list);
     *out = -1;
-    const gp_status st = gp_json_int(&at->p, o, key, 0, INT_MAX, out);
+    const gp_status st = gp_json_int(at, o, key, 0, INT_MAX, out);
     if (!st && *out >= n)
         return gp_gltf_fail(at, "no such \"%s\" (found %d, \"%s\" has %d)", key,
                             *out, list, n);
@@ -122,7 +115,7 @@ static int base64_value(char c)
 }
 
 /* Decodes "data:TYPE;base64,TEXT" (RFC 2397, RFC 4648). */
-static gp_status decode_uri(const struct gp_gltf_at *at, const char *uri,
+static gp_status decode_uri(const struct gp_json_place *at, const char *uri,
                             struct gp_gltf_span *out, void **own)
 {
     const char *const comma = strchr(uri, ',');
@@ -131,7 +124,7 @@ static gp_status decode_uri(const struct gp_gltf_at *at, const char *uri,
     const char *text = comma + 1;
     const size_t length = strlen(text);
     uint8_t *to;
-    gp_status st = gp_alloc(at->p.log, at->path, length / 4 * 3 + 3, 1, &to);
+    gp_status st = gp_alloc(at->log, at->path, length / 4 * 3 + 3, 1, &to);
     if (st)
         return st;
     unsigned bits = 0;
@@ -166,9 +159,9 @@ static int hex_value(char c)
 
 /* Finds the bytes of a data URI, or the path of the file beside the scene that
  * another means, whose percent codes are undone: one of *own and *file. */
-static gp_status resolve(const struct gp_gltf *g, const struct gp_gltf_at *at,
-                         const char *uri, struct gp_gltf_span *out, void **own,
-                         char **file)
+static gp_status resolve(const struct gp_gltf *g,
+                         const struct gp_json_place *at, const char *uri,
+                         struct gp_gltf_span *out, void **own, char **file)
 {
     const char *const slash = strrchr(g->path, '/');
     const size_t folder = slash ? (size_t) (slash + 1 - g->path) : 0;
@@ -197,16 +190,15 @@ static gp_status resolve(const struct gp_gltf *g, const struct gp_gltf_at *at,
 static gp_status read_buffer(struct gp_gltf *g, int index)
 {
     struct gp_gltf_buffer *const b = &g->buffer[index];
-    struct gp_gltf_at at;
+    const struct gp_json_place at = gp_gltf_at(g, "buffer", index);
     json_t *const o = gp_gltf_item(g, "buffers", index);
     const char *uri = NULL;
     char *file = NULL;
     uint64_t size;
     int declared = 0;
     gp_status st;
-    gp_gltf_place(g, "buffer", index, &at);
-    GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &declared));
-    GP_TRY(gp_json_text(&at.p, o, "uri", &uri));
+    GP_TRY(gp_json_int(&at, o, "byteLength", 1, MOST_FILE, &declared));
+    GP_TRY(gp_json_text(&at, o, "uri", &uri));
     if (!uri && gp_gltf_extension(o, "EXT_meshopt_compression"))
         return GP_OK; // a fallback without bytes: who uses it gets none
     if (!uri && index == 0 && g->chunk.at) {
@@ -239,18 +231,17 @@ out:
 gp_status gp_gltf_view(const struct gp_gltf *g, int index,
                        struct gp_gltf_span *out, int *stride)
 {
-    struct gp_gltf_at at;
+    const struct gp_json_place at = gp_gltf_at(g, "buffer view", index);
     json_t *const o = gp_gltf_item(g, "bufferViews", index);
     int buffer = -1, offset = 0, bytes = 0;
     gp_status st;
-    gp_gltf_place(g, "buffer view", index, &at);
     *stride = 0;
     GP_TRY(gp_gltf_index(g, &at, o, "buffer", "buffers", &buffer));
     if (buffer < 0)
         GP_TRY(gp_gltf_fail(&at, "no \"buffer\""));
-    GP_TRY(gp_json_int(&at.p, o, "byteOffset", 0, MOST_FILE, &offset));
-    GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &bytes));
-    GP_TRY(gp_json_int(&at.p, o, "byteStride", 4, 252, stride));
+    GP_TRY(gp_json_int(&at, o, "byteOffset", 0, MOST_FILE, &offset));
+    GP_TRY(gp_json_int(&at, o, "byteLength", 1, MOST_FILE, &bytes));
+    GP_TRY(gp_json_int(&at, o, "byteStride", 4, 252, stride));
     const struct gp_gltf_span all = g->buffer[buffer].span;
     if (offset > all.bytes || bytes > all.bytes - offset)
         GP_TRY(gp_gltf_fail(&at, "it leaves its buffer (bytes %d to %lld of "
@@ -264,14 +255,13 @@ out:
 gp_status gp_gltf_image(const struct gp_gltf *g, int index,
                         struct gp_gltf_span *span, void **own, char **file)
 {
-    struct gp_gltf_at at;
+    const struct gp_json_place at = gp_gltf_at(g, "image", index);
     json_t *const o = gp_gltf_item(g, "images", index);
     const char *uri = NULL;
     int view = -1, stride;
     gp_status st;
     *span = (struct gp_gltf_span) {0};
-    gp_gltf_place(g, "image", index, &at);
-    GP_TRY(gp_json_text(&at.p, o, "uri", &uri));
+    GP_TRY(gp_json_text(&at, o, "uri", &uri));
     GP_TRY(gp_gltf_index(g, &at, o, "bufferView", "bufferViews", &view));
     if (view >= 0) {
         GP_TRY(gp_gltf_view(g, view, span, &stride));
@@ -328,8 +318,8 @@ static gp_status check_root(const struct gp_gltf *g)
     if (!json_is_object(g->root))
         return gp_gltf_fail(&g->whole, "not glTF (its JSON is no object)");
     json_t *const asset = json_object_get(g->root, "asset");
-    GP_TRY(gp_json_text(&g->whole.p, asset, "version", &version));
-    GP_TRY(gp_json_text(&g->whole.p, asset, "minVersion", &least));
+    GP_TRY(gp_json_text(&g->whole, asset, "version", &version));
+    GP_TRY(gp_json_text(&g->whole, asset, "minVersion", &least));
     if (strncmp(version, "2.", 2) != 0 || strcmp(least, "2.0") != 0)
         return gp_gltf_fail(&g->whole, "not glTF 2.0 (\"version\" is %.20s, "
                             "\"minVersion\" %.20s)", version, least);
@@ -387,7 +377,7 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
     gp_status st;
     out->log = log;
     out->path = path;
-    gp_gltf_place(out, NULL, 0, &out->whole);
+    out->whole = (struct gp_json_place) {.log = log, .path = path};
     GP_TRY(gp_load_regular(log, path, MOST_FILE, &out->file, &size));
     if (size > MOST_FILE)
         GP_TRY(gp_gltf_fail(&out->whole, "over 2 GiB"));
@@ -409,7 +399,7 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
                        "%s: its JSON would take %zu MiB (%d "
                        "are allowed); export fewer objects",
                        path, memory >> 20, MOST_JSON >> 20));
-    GP_TRY(gp_gltf_take(out, memory));
+    GP_TRY(take(out, memory));
     GP_TRY(gp_json_parse(log, path, text, bytes, &out->root));
     if (json.at == out->file)
         GP_FREE(out->file);

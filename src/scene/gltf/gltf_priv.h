@@ -24,13 +24,6 @@ struct gp_gltf_buffer {
     void *own;         // of a data URI or a file beside; NULL: of the .glb
 };
 
-/* The place of an item, "street.glb: node 3", for core/json.h's messages.
- * `p` points into it: it must not be copied. */
-struct gp_gltf_at {
-    struct gp_json_place p;
-    char path[512];
-};
-
 /* Content that is read as something else, by the warnings of node.c. */
 enum gp_gltf_odd {
     GP_GLTF_BLENDED, GP_GLTF_GLASS, GP_GLTF_BLIND, GP_GLTF_MORPHS,
@@ -41,7 +34,7 @@ enum gp_gltf_odd {
 struct gp_gltf {
     const struct gp_log *log;
     const char *path;
-    struct gp_gltf_at whole; // the place of no item
+    struct gp_json_place whole; // the place of no item
     void *file;        // of a .glb
     size_t file_bytes; // of the file and the .bin beside it
     json_t *root;
@@ -49,7 +42,7 @@ struct gp_gltf {
     struct gp_gltf_buffer *buffer;
     int buffers;
     bool beside;       // a buffer is a file of its own
-    size_t taken;      // bytes of content, as gp_gltf_take() counted them
+    size_t taken;      // bytes of content
     bool odd[GP_GLTF_ODD]; // what it has
 };
 
@@ -60,13 +53,16 @@ GP_MUST_CHECK gp_status gp_gltf_open(const struct gp_log *log, const char *path,
                                      struct gp_gltf *out);
 void gp_gltf_close(struct gp_gltf *g);
 
-/* Sets the place of item `index`, a "node". */
-void gp_gltf_place(const struct gp_gltf *g, const char *what, int index,
-                   struct gp_gltf_at *out);
+/* Returns the place of item `index`, a "node", for core/json.h's messages. */
+static inline struct gp_json_place gp_gltf_at(const struct gp_gltf *g,
+                                              const char *what, int index)
+{
+    return (struct gp_json_place) {g->log, g->path, what, -1 - index};
+}
 
 /* Prints "street.glb: node 3: TEXT; export the scene again" and returns
  * GP_ERR_DATA. */
-gp_status gp_gltf_fail(const struct gp_gltf_at *at, const char *fmt, ...)
+gp_status gp_gltf_fail(const struct gp_json_place *at, const char *fmt, ...)
     GP_PRINTF(2, 3);
 
 /* Items of a list of the file, "nodes": how many, and one of them, an object.
@@ -76,9 +72,10 @@ json_t *gp_gltf_item(const struct gp_gltf *g, const char *list, int index);
 
 /* The value of a key as the number of an item of `list`; -1: not there.
  * Errors: GP_ERR_DATA no such item. */
-GP_MUST_CHECK gp_status gp_gltf_index(
-    const struct gp_gltf *g, const struct gp_gltf_at *at, json_t *o,
-    const char *key, const char *list, int *out);
+GP_MUST_CHECK gp_status gp_gltf_index(const struct gp_gltf *g,
+                                      const struct gp_json_place *at, json_t *o,
+                                      const char *key, const char *list,
+                                      int *out);
 
 /* An extension of `o`, or NULL. */
 json_t *gp_gltf_extension(json_t *o, const char *name);
@@ -86,9 +83,11 @@ json_t *gp_gltf_extension(json_t *o, const char *name);
 /* Copies the name of `o`, printable, cut to fit; "" where it has none. */
 void gp_gltf_name(json_t *o, char out[GP_SCENE_NAME]);
 
-/* Counts content that takes `bytes` of memory. Errors: GP_ERR_DATA when it is
- * out of proportion to the file: more than 64 MiB and 32 times its size. */
-GP_MUST_CHECK gp_status gp_gltf_take(struct gp_gltf *g, size_t bytes);
+/* Allocates zeroed content; `out` is the address of a pointer; gp_free(). Errors:
+ * GP_ERR_DATA when all content is out of proportion to the file: more than 64 MiB
+ * and 32 times its size. */
+GP_MUST_CHECK gp_status gp_gltf_alloc(struct gp_gltf *g, size_t count,
+                                      size_t size, void *out);
 
 /* Buffer view `index`; *stride 0: packed. */
 GP_MUST_CHECK gp_status gp_gltf_view(const struct gp_gltf *g, int index,
@@ -108,7 +107,7 @@ struct gp_gltf_numbers {
     int type;          // glTF's componentType
 };
 struct gp_gltf_accessor {
-    struct gp_gltf_at place;
+    struct gp_json_place place;
     struct gp_gltf_numbers all;
     int count;         // elements
     int components;    // numbers of an element: 1 to 4

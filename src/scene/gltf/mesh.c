@@ -7,7 +7,7 @@
 #include "scene/bounds.h"
 
 #include <limits.h>
-#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Texels of all images of cut-outs of a scene. */
@@ -21,10 +21,10 @@ static gp_status read_image(struct gp_gltf *g, int index,
     const struct gp_scene *s, int texture)
 {
     struct gp_cutout *const c = &s->cutout[texture];
-    struct gp_gltf_at place;
+    const struct gp_json_place place = gp_gltf_at(g, "image", index);
     struct gp_gltf_span span;
     void *own = NULL;
-    char *file = NULL;
+    char *file = NULL, name[GP_LINE_BYTES];
     gp_status st;
     for (int i = 0; i < s->cutouts; i++) {
         if (s->cutout[i].alpha && s->cutout[i].image == index) {
@@ -33,9 +33,9 @@ static gp_status read_image(struct gp_gltf *g, int index,
         }
     }
     GP_TRY(gp_gltf_image(g, index, &span, &own, &file));
-    gp_gltf_place(g, "image", index, &place);
-    GP_TRY(images->alpha(images->user, g->log, file ? file : place.path,
-                         span.at, (size_t) span.bytes, MOST_TEXELS, c));
+    snprintf(name, sizeof name, "%s: image %d", g->path, index);
+    GP_TRY(images->alpha(images->user, g->log, file ? file : name, span.at,
+                         (size_t) span.bytes, MOST_TEXELS, c));
     c->image = index;
     c->owner = texture;
     *texels += (long long) c->w * c->h;
@@ -54,13 +54,12 @@ static gp_status read_cutout(struct gp_gltf *g, int texture,
     struct gp_scene *out)
 {
     struct gp_cutout *const c = &out->cutout[texture];
-    struct gp_gltf_at at;
+    const struct gp_json_place at = gp_gltf_at(g, "texture", texture);
     int image, sampler, code[2] = {0, 0};
     gp_status st;
     json_t *const o = gp_gltf_item(g, "textures", texture);
     if (c->alpha)
         return GP_OK;
-    gp_gltf_place(g, "texture", texture, &at);
     GP_TRY(gp_gltf_index(g, &at, o, "source", "images", &image));
     GP_TRY(gp_gltf_index(g, &at, o, "sampler", "samplers", &sampler));
     if (image < 0)
@@ -68,8 +67,8 @@ static gp_status read_cutout(struct gp_gltf *g, int texture,
     GP_TRY(read_image(g, image, images, texels, out, texture));
     if (sampler >= 0) {
         json_t *const s = gp_gltf_item(g, "samplers", sampler);
-        GP_TRY(gp_json_int(&at.p, s, "wrapS", 0, INT_MAX, &code[0]));
-        GP_TRY(gp_json_int(&at.p, s, "wrapT", 0, INT_MAX, &code[1]));
+        GP_TRY(gp_json_int(&at, s, "wrapS", 0, INT_MAX, &code[0]));
+        GP_TRY(gp_json_int(&at, s, "wrapT", 0, INT_MAX, &code[1]));
     }
     for (int i = 0; i < 2; i++)
         c->wrap[i] = code[i] == 33071   ? GP_WRAP_CLAMP
@@ -89,13 +88,13 @@ static json_t *base_texture(json_t *material)
 /* Lets a material that transmits at least half of the light hide nothing
  * (KHR_materials_transmission), as a blended one of at most half its alpha
  * would; a texture of it is not read, and the material is opaque. */
-static gp_status read_glass(struct gp_gltf *g, const struct gp_gltf_at *at,
+static gp_status read_glass(struct gp_gltf *g, const struct gp_json_place *at,
                             json_t *o, int *texture, struct gp_material *m)
 {
     json_t *const glass = gp_gltf_extension(o, "KHR_materials_transmission");
     double factor = 0.0;
-    const gp_status st = gp_json_number(&at->p, glass, "transmissionFactor",
-                                        0.0, 1.0, &factor);
+    const gp_status st =
+        gp_json_number(at, glass, "transmissionFactor", 0.0, 1.0, &factor);
     if (st || !(factor > 0.0))
         return st;
     const bool textured = json_object_get(glass, "transmissionTexture");
@@ -113,16 +112,15 @@ static gp_status read_material(struct gp_gltf *g, int index, int *texture,
     static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
     json_t *const o = gp_gltf_item(g, "materials", index);
     json_t *const base = base_texture(o);
-    struct gp_gltf_at at;
+    const struct gp_json_place at = gp_gltf_at(g, "material", index);
     double colour[4] = {1.0, 1.0, 1.0, 1.0}, cutoff = 0.5;
     int mode = 0;
     gp_status st;
-    gp_gltf_place(g, "material", index, &at);
-    GP_TRY(gp_json_numbers(&at.p, json_object_get(o, "pbrMetallicRoughness"),
+    GP_TRY(gp_json_numbers(&at, json_object_get(o, "pbrMetallicRoughness"),
                            "baseColorFactor", 4, 0.0, 1.0, colour));
-    GP_TRY(gp_json_choice(&at.p, o, "alphaMode", modes, &mode));
+    GP_TRY(gp_json_choice(&at, o, "alphaMode", modes, &mode));
     if (mode == 1)
-        GP_TRY(gp_json_number(&at.p, o, "alphaCutoff", 0.0, 1e6, &cutoff));
+        GP_TRY(gp_json_number(&at, o, "alphaCutoff", 0.0, 1e6, &cutoff));
     GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", texture));
     if (!mode)
         *texture = -1; // its alpha is ignored
@@ -143,11 +141,10 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
     const int textures = gp_gltf_count(g, "textures");
     long long texels = 0;
     gp_status st;
-    GP_TRY(gp_gltf_take(g, ((size_t) n + 1) * sizeof *out->material));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n + 1, sizeof *out->material,
+    GP_TRY(gp_gltf_alloc(g, (size_t) n + 1, sizeof *out->material,
                          &out->material));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) textures,
-                         sizeof *out->cutout, &out->cutout));
+    GP_TRY(
+        gp_gltf_alloc(g, (size_t) textures, sizeof *out->cutout, &out->cutout));
     out->cutouts = textures;
     out->materials = n + 1;
     out->material[n] = (struct gp_material) {
@@ -245,8 +242,6 @@ static gp_status read_vertices(struct walk *w, int positions,
             GP_TRY(gp_gltf_floats(&map, 2, w->out->uv + 2 * at));
         if (uv->accessor >= 0 && uv->moved >= 0)
             move_uv(uv, a->count, w->out->uv + 2 * at);
-    } else {
-        GP_TRY(gp_gltf_take(w->g, 5 * sizeof(float) * (size_t) a->count));
     }
     w->vertices += a->count;
     if (w->vertices > INT_MAX / 4)
@@ -283,26 +278,25 @@ out:
 
 /* Finds the texture coordinates that the material's cut-out reads, and
  * KHR_texture_transform of them. */
-static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
+static gp_status find_uv(const struct walk *w, const struct gp_json_place *at,
                          json_t *attributes, int material, struct uv_of *uv)
 {
     json_t *const base =
         base_texture(gp_gltf_item(w->g, "materials", material));
     json_t *const o = gp_gltf_extension(base, "KHR_texture_transform");
-    struct gp_gltf_at of;
+    const struct gp_json_place of = gp_gltf_at(w->g, "material", material);
     char key[32];
     int set = 0;
     gp_status st;
     *uv = (struct uv_of) {.accessor = -1, .moved = -1, .scale = {1.0, 1.0}};
     if (w->out->material[material].cutout < 0)
         return GP_OK;
-    gp_gltf_place(w->g, "material", material, &of);
-    GP_TRY(gp_json_int(&of.p, base, "texCoord", 0, 99, &set));
+    GP_TRY(gp_json_int(&of, base, "texCoord", 0, 99, &set));
     uv->moved = o ? material : -1;
-    GP_TRY(gp_json_int(&of.p, o, "texCoord", 0, 99, &set));
-    GP_TRY(gp_json_numbers(&of.p, o, "scale", 2, -1e6, 1e6, uv->scale));
-    GP_TRY(gp_json_number(&of.p, o, "rotation", -1e6, 1e6, &uv->turn));
-    GP_TRY(gp_json_numbers(&of.p, o, "offset", 2, -1e6, 1e6, uv->offset));
+    GP_TRY(gp_json_int(&of, o, "texCoord", 0, 99, &set));
+    GP_TRY(gp_json_numbers(&of, o, "scale", 2, -1e6, 1e6, uv->scale));
+    GP_TRY(gp_json_number(&of, o, "rotation", -1e6, 1e6, &uv->turn));
+    GP_TRY(gp_json_numbers(&of, o, "offset", 2, -1e6, 1e6, uv->offset));
     snprintf(key, sizeof key, "TEXCOORD_%d", set);
     st = gp_gltf_index(w->g, at, attributes, key, "accessors", &uv->accessor);
 out:
@@ -311,7 +305,7 @@ out:
 
 /* Notes a cut-out whose vertices have an alpha: COLOR_0 of four components,
  * which multiplies that of the base colour (glTF 2.0, 3.9.2). */
-static gp_status note_faded(struct walk *w, const struct gp_gltf_at *at,
+static gp_status note_faded(struct walk *w, const struct gp_json_place *at,
                             json_t *attributes, int material)
 {
     int colour;
@@ -327,7 +321,7 @@ static gp_status note_faded(struct walk *w, const struct gp_gltf_at *at,
     return GP_OK;
 }
 
-static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
+static gp_status read_primitive(struct walk *w, const struct gp_json_place *at,
                                 json_t *o, struct gp_mesh *mesh)
 {
     struct gp_gltf *const g = w->g;
@@ -338,7 +332,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
     gp_status st;
     if (!json_is_object(o))
         return gp_gltf_fail(at, "\"primitives\" holds no object");
-    GP_TRY(gp_json_int(&at->p, o, "mode", 0, 6, &mode));
+    GP_TRY(gp_json_int(at, o, "mode", 0, 6, &mode));
     GP_TRY(gp_gltf_index(g, at, attributes, "POSITION", "accessors",
                          &positions));
     GP_TRY(gp_gltf_index(g, at, o, "indices", "accessors", &indices));
@@ -369,9 +363,6 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
         };
         GP_TRY(fill_triangles(w, mode, count, w->known[positions].first, &a,
                               indices >= 0 ? &index : NULL, &mesh->box));
-    } else {
-        GP_TRY(gp_gltf_take(g, sizeof(uint32_t) * (size_t) n +
-                                   sizeof(struct gp_submesh)));
     }
     w->indices += n;
     w->submeshes++;
@@ -390,9 +381,8 @@ static gp_status walk_meshes(struct walk *w)
         struct gp_mesh *const mesh = &w->out->mesh[i];
         json_t *const o = gp_gltf_item(w->g, "meshes", i), *primitive;
         json_t *const list = json_object_get(o, "primitives");
-        struct gp_gltf_at at;
+        const struct gp_json_place at = gp_gltf_at(w->g, "mesh", i);
         size_t k;
-        gp_gltf_place(w->g, "mesh", i, &at);
         mesh->first = w->submeshes;
         mesh->box = GP_BOX_EMPTY;
         if (!json_is_array(list))
@@ -413,23 +403,21 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
     const size_t accessors = (size_t) gp_gltf_count(g, "accessors");
     const int n = gp_gltf_count(g, "meshes");
     gp_status st;
-    GP_TRY(gp_gltf_take(g, (size_t) n * sizeof *out->mesh));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *out->mesh,
-                         &out->mesh));
+    GP_TRY(gp_gltf_alloc(g, (size_t) n, sizeof *out->mesh, &out->mesh));
     out->meshes = n;
-    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.known, &w.known));
+    GP_TRY(gp_gltf_alloc(g, accessors, sizeof *w.known, &w.known));
     GP_TRY(walk_meshes(&w));
     out->vertices = (int) w.vertices;
     out->indices = (int) w.indices;
     out->submeshes = w.submeshes;
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.vertices,
-                         3 * sizeof *out->position, &out->position));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.vertices,
-                         2 * sizeof *out->uv, &out->uv));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.indices,
-                         sizeof *out->index, &out->index));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.submeshes,
-                         sizeof *out->submesh, &out->submesh));
+    GP_TRY(gp_gltf_alloc(g, (size_t) w.vertices, 3 * sizeof *out->position,
+                         &out->position));
+    GP_TRY(
+        gp_gltf_alloc(g, (size_t) w.vertices, 2 * sizeof *out->uv, &out->uv));
+    GP_TRY(
+        gp_gltf_alloc(g, (size_t) w.indices, sizeof *out->index, &out->index));
+    GP_TRY(gp_gltf_alloc(g, (size_t) w.submeshes, sizeof *out->submesh,
+                         &out->submesh));
     w.fill = true;
     GP_TRY(walk_meshes(&w));
     if (w.drawn)

@@ -16,22 +16,23 @@ static const double MOST_PLACE = 1e15;
 static gp_status read_node(const struct gp_gltf *g, int index,
                            struct gp_scene_node *n)
 {
-    struct gp_gltf_at at;
+    const struct gp_json_place at = gp_gltf_at(g, "node", index);
     json_t *const o = gp_gltf_item(g, "nodes", index);
     gp_status st;
     *n = (struct gp_scene_node) {
-        .parent = -1, .turn = {0, 0, 0, 1}, .scale = {1, 1, 1},
+        .parent = -1,
+        .turn = {0, 0, 0, 1},
+        .scale = {1, 1, 1},
     };
-    gp_gltf_place(g, "node", index, &at);
     n->matrix = json_object_get(o, "matrix");
-    GP_TRY(gp_json_numbers(&at.p, o, "matrix", 16, -MOST_PLACE, MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at, o, "matrix", 16, -MOST_PLACE, MOST_PLACE,
                            n->local));
-    GP_TRY(gp_json_numbers(&at.p, o, "translation", 3, -MOST_PLACE, MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at, o, "translation", 3, -MOST_PLACE, MOST_PLACE,
                            n->move));
-    GP_TRY(gp_json_numbers(&at.p, o, "rotation", 4, -MOST_PLACE, MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at, o, "rotation", 4, -MOST_PLACE, MOST_PLACE,
                            n->turn));
-    GP_TRY(gp_json_numbers(&at.p, o, "scale", 3, -MOST_PLACE, MOST_PLACE,
-                           n->scale));
+    GP_TRY(
+        gp_json_numbers(&at, o, "scale", 3, -MOST_PLACE, MOST_PLACE, n->scale));
     if (n->turn[0] == 0.0 && n->turn[1] == 0.0 && n->turn[2] == 0.0 &&
         n->turn[3] == 0.0)
         GP_TRY(gp_gltf_fail(&at, "\"rotation\" is 0, 0, 0, 0, no turn"));
@@ -56,9 +57,8 @@ static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
     for (int i = 0; i < s->n; i++) {
         json_t *const list = json_object_get(gp_gltf_item(g, "nodes", i),
                                              "children"), *item;
-        struct gp_gltf_at at;
+        const struct gp_json_place at = gp_gltf_at(g, "node", i);
         size_t k;
-        gp_gltf_place(g, "node", i, &at);
         if (list && !json_is_array(list))
             return gp_gltf_fail(&at, "\"children\" is not an array");
         json_array_foreach (list, k, item) {
@@ -79,7 +79,6 @@ static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 /* Orders the nodes, parents first. A node of a circle has no place in it. */
 static gp_status order_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 {
-    struct gp_gltf_at at;
     int n = 0;
     for (int i = 0; i < s->n; i++) {
         if (s->at[i].parent < 0)
@@ -100,7 +99,7 @@ static gp_status order_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
         s->at[s->order[k]].placed = true;
     while (s->at[lost].placed)
         lost++;
-    gp_gltf_place(g, "node", lost, &at);
+    const struct gp_json_place at = gp_gltf_at(g, "node", lost);
     return gp_gltf_fail(&at, "its parents are a circle");
 }
 
@@ -138,12 +137,10 @@ static gp_status read_nodes(struct gp_gltf *g, struct gp_scene *out)
     struct gp_scene_nodes *s;
     const int n = gp_gltf_count(g, "nodes");
     gp_status st;
-    GP_TRY(gp_gltf_take(g, (size_t) n * (sizeof *s->at + sizeof *s->order)));
-    GP_TRY(gp_alloc_zero(g->log, g->path, 1, sizeof *s, &out->nodes));
+    GP_TRY(gp_gltf_alloc(g, 1, sizeof *s, &out->nodes));
     s = out->nodes;
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *s->at, &s->at));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *s->order,
-                         &s->order));
+    GP_TRY(gp_gltf_alloc(g, (size_t) n, sizeof *s->at, &s->at));
+    GP_TRY(gp_gltf_alloc(g, (size_t) n, sizeof *s->order, &s->order));
     s->n = n;
     for (int i = 0; i < n; i++)
         GP_TRY(read_node(g, i, &s->at[i]));
@@ -157,7 +154,7 @@ out:
 // -- lights and cameras -------------------------------------------------------
 
 /* Reads light `o` of KHR_lights_punctual. */
-static gp_status read_light(const struct gp_gltf_at *at, json_t *o,
+static gp_status read_light(const struct gp_json_place *at, json_t *o,
                             struct gp_scene_light *l)
 {
     static const char *const kinds[] = {"directional", "point", "spot", NULL};
@@ -170,16 +167,16 @@ static gp_status read_light(const struct gp_gltf_at *at, json_t *o,
     };
     if (!json_is_object(o))
         return gp_gltf_fail(at, "not an object");
-    GP_TRY(gp_json_choice(&at->p, o, "type", kinds, &kind));
+    GP_TRY(gp_json_choice(at, o, "type", kinds, &kind));
     if (kind < 0)
         GP_TRY(gp_gltf_fail(at, "no \"type\""));
     l->kind = (enum gp_scene_light_kind) kind;
-    GP_TRY(gp_json_numbers(&at->p, o, "color", 3, 0.0, 1e6, l->color));
-    GP_TRY(gp_json_number(&at->p, o, "intensity", 0.0, 1e12, &l->intensity));
-    GP_TRY(gp_json_number(&at->p, o, "range", 0.0, MOST_PLACE, &l->range));
-    GP_TRY(gp_json_number(&at->p, spot, "innerConeAngle", 0.0, M_PI / 2,
-                          &l->inner));
-    GP_TRY(gp_json_number(&at->p, spot, "outerConeAngle", 0.0, M_PI / 2 + 1e-6,
+    GP_TRY(gp_json_numbers(at, o, "color", 3, 0.0, 1e6, l->color));
+    GP_TRY(gp_json_number(at, o, "intensity", 0.0, 1e12, &l->intensity));
+    GP_TRY(gp_json_number(at, o, "range", 0.0, MOST_PLACE, &l->range));
+    GP_TRY(
+        gp_json_number(at, spot, "innerConeAngle", 0.0, M_PI / 2, &l->inner));
+    GP_TRY(gp_json_number(at, spot, "outerConeAngle", 0.0, M_PI / 2 + 1e-6,
                           &l->outer));
     if (!(l->range > 0.0))
         GP_TRY(gp_gltf_fail(at, "\"range\" is not over 0 (found %g)",
@@ -197,16 +194,14 @@ out:
 static gp_status read_lights(struct gp_gltf *g, struct gp_scene_light **list,
                              int *n)
 {
-    struct gp_gltf_at at;
     json_t *const lights = json_object_get(
         gp_gltf_extension(g->root, "KHR_lights_punctual"), "lights"), *o;
     size_t k;
     gp_status st;
     *n = (int) json_array_size(lights);
-    GP_TRY(gp_gltf_take(g, (size_t) *n * sizeof **list));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) *n, sizeof **list, list));
+    GP_TRY(gp_gltf_alloc(g, (size_t) *n, sizeof **list, list));
     json_array_foreach (lights, k, o) {
-        gp_gltf_place(g, "light", (int) k, &at);
+        const struct gp_json_place at = gp_gltf_at(g, "light", (int) k);
         GP_TRY(read_light(&at, o, &(*list)[k]));
     }
 out:
@@ -218,24 +213,23 @@ static gp_status read_camera(const struct gp_gltf *g, int index,
                              bool *perspective, struct gp_scene_camera *c)
 {
     static const char *const kinds[] = {"perspective", "orthographic", NULL};
-    struct gp_gltf_at at;
+    const struct gp_json_place at = gp_gltf_at(g, "camera", index);
     json_t *const o = gp_gltf_item(g, "cameras", index);
     json_t *const p = json_object_get(o, "perspective");
     double far = INFINITY;
     int kind = -1;
     gp_status st;
     *c = (struct gp_scene_camera) {0};
-    gp_gltf_place(g, "camera", index, &at);
-    GP_TRY(gp_json_choice(&at.p, o, "type", kinds, &kind));
+    GP_TRY(gp_json_choice(&at, o, "type", kinds, &kind));
     if (kind < 0)
         GP_TRY(gp_gltf_fail(&at, "no \"type\""));
     *perspective = kind == 0;
     gp_gltf_name(o, c->name);
     if (kind == 1)
         return GP_OK;
-    GP_TRY(gp_json_number(&at.p, p, "yfov", 1e-6, M_PI - 1e-6, &c->yfov));
-    GP_TRY(gp_json_number(&at.p, p, "znear", 0.0, MOST_PLACE, &c->near));
-    GP_TRY(gp_json_number(&at.p, p, "zfar", 0.0, MOST_PLACE, &far));
+    GP_TRY(gp_json_number(&at, p, "yfov", 1e-6, M_PI - 1e-6, &c->yfov));
+    GP_TRY(gp_json_number(&at, p, "znear", 0.0, MOST_PLACE, &c->near));
+    GP_TRY(gp_json_number(&at, p, "zfar", 0.0, MOST_PLACE, &far));
     if (!(c->yfov > 0.0) || !(far > c->near))
         GP_TRY(gp_gltf_fail(&at, "no \"yfov\", or \"zfar\" not over \"znear\""));
 out:
@@ -249,17 +243,16 @@ static gp_status place_node(struct gp_gltf *g, int index,
                             const struct gp_scene_light *defs, int defined,
                             struct gp_scene *out)
 {
-    struct gp_gltf_at at;
+    const struct gp_json_place at = gp_gltf_at(g, "node", index);
     json_t *const o = gp_gltf_item(g, "nodes", index);
     char name[GP_SCENE_NAME];
     bool perspective = false;
     int mesh, cam, light = -1;
     gp_status st;
-    gp_gltf_place(g, "node", index, &at);
     gp_gltf_name(o, name);
     GP_TRY(gp_gltf_index(g, &at, o, "mesh", "meshes", &mesh));
     GP_TRY(gp_gltf_index(g, &at, o, "camera", "cameras", &cam));
-    GP_TRY(gp_json_int(&at.p, gp_gltf_extension(o, "KHR_lights_punctual"),
+    GP_TRY(gp_json_int(&at, gp_gltf_extension(o, "KHR_lights_punctual"),
                        "light", 0, INT_MAX, &light));
     if (light >= defined)
         GP_TRY(gp_gltf_fail(&at, "no such light (found %d, the file has %d)",
@@ -278,13 +271,13 @@ static gp_status place_node(struct gp_gltf *g, int index,
         l->node = index;
         json_t *const extras = json_object_get(o, "extras");
         double radians = 0.0;
-        GP_TRY(gp_json_number(&at.p, extras, "ball_radius", 0.0, MOST_PLACE,
+        GP_TRY(gp_json_number(&at, extras, "ball_radius", 0.0, MOST_PLACE,
                               &l->ball));
         if (l->kind == GP_LIGHT_DIRECTIONAL) {
-            GP_TRY(gp_json_number(&at.p, extras, "angle", 0.0, M_PI / 2,
-                                  &radians));
+            GP_TRY(
+                gp_json_number(&at, extras, "angle", 0.0, M_PI / 2, &radians));
             l->degrees = radians * (180.0 / M_PI);
-            GP_TRY(gp_json_number(&at.p, extras, "angle_deg", 0.0, 90.0,
+            GP_TRY(gp_json_number(&at, extras, "angle_deg", 0.0, 90.0,
                                   &l->degrees));
         }
         if (*name)
@@ -321,15 +314,9 @@ static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
         lights += json_object_get(o, "extensions") != NULL;
         cameras += json_object_get(o, "camera") != NULL;
     }
-    GP_TRY(gp_gltf_take(g, objects * sizeof *out->object +
-                               lights * sizeof *out->light +
-                               cameras * sizeof *out->camera));
-    GP_TRY(gp_alloc_zero(g->log, g->path, objects, sizeof *out->object,
-                         &out->object));
-    GP_TRY(gp_alloc_zero(g->log, g->path, lights, sizeof *out->light,
-                         &out->light));
-    GP_TRY(gp_alloc_zero(g->log, g->path, cameras, sizeof *out->camera,
-                         &out->camera));
+    GP_TRY(gp_gltf_alloc(g, objects, sizeof *out->object, &out->object));
+    GP_TRY(gp_gltf_alloc(g, lights, sizeof *out->light, &out->light));
+    GP_TRY(gp_gltf_alloc(g, cameras, sizeof *out->camera, &out->camera));
     for (int i = 0; i < nodes->n; i++) {
         if (nodes->at[i].placed)
             GP_TRY(place_node(g, i, defs, defined, out));
