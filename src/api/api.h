@@ -1,19 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The library's handles, and steps that every call takes.
- *
- *   context.c  contexts, messages, lists of names
- *   params.c   ranges of parameters
- *   image.c    views of a caller's pixels
- *   kernel.c   kernels: words and images, drawing, checks
- *   plan.c     plans: parameters of the rooms, and what frames share
- *   frame.c    frames: beginning and end, views and facts
- *   steps.c    their steps, in order
- *   groups.c   light groups, and layers of several kernels
- *   light.c    suns and lamps of a frame, their shares and flare
- *   lens.c     ghosts of a lens
- *   scene.c    the scene of a frame, and its light
- *   sets.c     O'Rorke's table
- *   compare.c  errors between two images */
+/* The library's handles, and steps that every call takes. */
 #ifndef GP_API_API_H
 #define GP_API_API_H
 
@@ -37,7 +23,8 @@ struct glarepp {
     struct gp_api_sink sink;
     struct glarepp_params params;
     char *text[4];           // owned copies of strings of `params`
-    char *list[2];           // names in folders, null bytes between; owned
+    struct dirent **list[2]; // `names` in folders; owned
+    int names[2];
 };
 
 /* Begins a call: the thread works in the context. Returns the one that it was

@@ -3,6 +3,7 @@
 
 #include "core/bridge.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/engine.h"
 #include "glare/model/model.h"
@@ -183,8 +184,11 @@ void glarepp_close(struct glarepp **context)
         freelocale(gp->env.locale);
     for (int i = 0; i < 4; i++)
         free(gp->text[i]);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < gp->names[i]; k++)
+            free(gp->list[i][k]);
         free(gp->list[i]);
+    }
     if (gp->params.keep_memory)
         gp_keep_memory(false);
     GP_FREE(*context);
@@ -198,42 +202,23 @@ static int is_json(const struct dirent *d)
     return d->d_name[0] != '.' && end && strcmp(end, ".json") == 0;
 }
 
-/* Lists the files of an installed folder, without their ending; "" none. */
-static char *list_folder(const char *name)
-{
-    char folder[PATH_MAX], *text = NULL;
-    struct dirent **entry = NULL;
-    size_t size = 0;
-    const int n = gp_example_find(name, folder, sizeof folder)
-                      ? scandir(folder, &entry, is_json, alphasort) : 0;
-    FILE *const f = open_memstream(&text, &size);
-    for (int i = 0; i < n; i++) {
-        const char *const word = entry[i]->d_name;
-        if (f) {
-            fwrite(word, 1, (size_t) (strrchr(word, '.') - word), f);
-            fputc('\0', f);
-        }
-        free(entry[i]);
-    }
-    free(entry);
-    if (f)
-        fclose(f);
-    return text;
-}
-
-/* Returns the i-th name of a folder; the context keeps the list. */
+/* Returns the i-th file of an installed folder, without its ending; the context
+ * keeps the list. */
 static const char *installed(struct glarepp *gp, const char *name, int which,
                              int i)
 {
-    if (!gp->list[which]) {
+    struct dirent ***const list = &gp->list[which];
+    char folder[PATH_MAX];
+    if (!*list) {
         const struct gp_env *const before = gp_env_use(&gp->env);
-        gp->list[which] = list_folder(name);
+        gp->names[which] = gp_example_find(name, folder, sizeof folder)
+                               ? scandir(folder, list, is_json, alphasort)
+                               : 0;
         gp_env_use(before);
+        for (int k = 0; k < gp->names[which]; k++)
+            *strrchr((*list)[k]->d_name, '.') = '\0';
     }
-    const char *at = gp->list[which];
-    while (at && *at && i-- > 0)
-        at += strlen(at) + 1;
-    return at && *at ? at : NULL;
+    return i < gp->names[which] ? (*list)[gp_max(i, 0)]->d_name : NULL;
 }
 
 const char *glarepp_name(struct glarepp *gp, enum glarepp_list list, int i,

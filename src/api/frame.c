@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "api/plan.h"
 
-#include "core/clock.h"
 #include "core/colour.h"
 #include "core/luminance.h"
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "glare/splat/polygons.h"
 #include "tone/tone.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 // -- beginning and end --------------------------------------------------------

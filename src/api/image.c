@@ -7,7 +7,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 

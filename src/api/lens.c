@@ -144,11 +144,11 @@ static gp_status draw_part(struct glarepp_frame *f, enum gp_lens_detail detail)
     gp_status st;
     GP_TRY(gp_api_part_open(f, image, &before));
     GP_TRY(draw(f, detail, (double) gain));
-    GP_TRY(gp_api_part_level(f, image, gain, &level));
+    level = gp_api_part_level(f, image, gain);
     if (!(gain > 0.0f) && level > 1.0) { // those left out would be seen
         gp_planes_clear(&image->layer, 0, gp_image_pixels(image));
         GP_TRY(draw(f, detail, level));
-        GP_TRY(gp_api_part_level(f, image, gain, &level));
+        level = gp_api_part_level(f, image, gain);
     }
     facts->gain = level;
     facts->missing *= level;
@@ -173,7 +173,9 @@ gp_status gp_api_lens(struct glarepp_frame *f)
                                                            : GP_LENS_COARSE;
     const bool apart = f->p.parts || f->plan->lens_params.gain != 1.0f;
     double sum[3], squares;
-    gp_status st = gp_api_dark_layer(&f->log, &f->image);
+    gp_status st = gp_api_has_axis(f);
+    if (!st)
+        st = gp_api_dark_layer(&f->log, &f->image);
     if (!st)
         st = apart ? draw_part(f, detail) : draw(f, detail, 1.0);
     if (st || !(facts->missing > 0.0))

@@ -325,6 +325,8 @@ gp_status gp_api_flare(struct glarepp_frame *f)
     struct gp_planes before = {0};
     gp_status st = GP_OK;
     suns->flare.frame = f->p.numbered ? f->p.number : 0;
+    if (suns->flare.n)
+        GP_TRY(gp_api_has_axis(f));
     if (seen)
         GP_TRY(gp_api_dark_layer(&f->log, &f->image));
     GP_TRY(gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image));
@@ -342,7 +344,7 @@ gp_status gp_api_flare(struct glarepp_frame *f)
     f->facts.engines_ms = facts->ms;
     f->facts.engines_cpu_ms = gp_cpu_ms() - cpu;
     if (before.c[0])
-        GP_TRY(gp_api_part_level(f, &f->image, gain, &facts->gain));
+        facts->gain = gp_api_part_level(f, &f->image, gain);
 out:
     if (before.c[0])
         gp_api_part_close(f, &f->image, facts->gain, &before,

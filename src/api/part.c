@@ -87,74 +87,66 @@ gp_status gp_api_part_open(struct glarepp_frame *f, struct gp_image *image,
     return st;
 }
 
-/* Rows of a part: its brightest pixels, or its sum with the layer. */
-struct rows {
+/* A part in bands: its brightest pixels, or its sum with the layer. */
+struct bands {
     const struct gp_image *image;
     const struct gp_planes *part, *to;
     float gain, dark; // luminance of the picture that counts as dark
-    float (*peak)[2]; // of each row: in dark pixels, in all
+    float peak[GP_FRAME_BANDS][2]; // in dark pixels, in all
 };
 
-static void find_peak(void *ctx, int y, int thread)
+static void find_peak(void *ctx, int band, int thread)
 {
-    const struct rows *const r = ctx;
-    const float *const weight = r->image->luminance;
-    const size_t w = (size_t) gp_image_w(r->image), from = (size_t) y * w;
+    struct bands *const b = ctx;
+    const float *const weight = b->image->luminance;
+    float *const peak = b->peak[band];
+    const size_t pixels = gp_image_pixels(b->image);
     (void) thread;
-    for (size_t i = from; i < from + w; i++) {
+    for (size_t i = gp_band_start(pixels, band);
+         i < gp_band_start(pixels, band + 1); i++) {
         float own = 0.0f, v = 0.0f;
         for (int c = 0; c < 3; c++) {
-            own += weight[c] * r->image->rgb.c[c][i];
-            v += weight[c] * r->part->c[c][i];
+            own += weight[c] * b->image->rgb.c[c][i];
+            v += weight[c] * b->part->c[c][i];
         }
-        r->peak[y][0] = own < r->dark ? fmaxf(r->peak[y][0], v) : r->peak[y][0];
-        r->peak[y][1] = fmaxf(r->peak[y][1], v);
+        peak[0] = own < b->dark ? fmaxf(peak[0], v) : peak[0];
+        peak[1] = fmaxf(peak[1], v);
     }
 }
 
-static void add_part(void *ctx, int y, int thread)
+static void add_part(void *ctx, int band, int thread)
 {
-    const struct rows *const r = ctx;
-    const size_t w = (size_t) gp_image_w(r->image), from = (size_t) y * w;
+    const struct bands *const b = ctx;
+    const size_t pixels = gp_image_pixels(b->image);
+    const size_t end = gp_band_start(pixels, band + 1);
     (void) thread;
     for (int c = 0; c < 3; c++) {
-        float *restrict const part = r->part->c[c], *restrict to = r->to->c[c];
-        for (size_t i = from; i < from + w; i++) {
-            part[i] *= r->gain;
+        float *restrict const part = b->part->c[c], *restrict to = b->to->c[c];
+        for (size_t i = gp_band_start(pixels, band); i < end; i++) {
+            part[i] *= b->gain;
             to[i] += part[i];
         }
     }
 }
 
-gp_status gp_api_part_level(struct glarepp_frame *f,
-                            const struct gp_image *image, float gain,
-                            double *level)
+double gp_api_part_level(const struct glarepp_frame *f,
+                         const struct gp_image *image, float gain)
 {
     static const double WHITE = 0.25; // share of it that is the brightest
     const struct glarepp_plan *const plan = f->plan;
-    const int h = gp_image_h(image);
     float peak[2] = {0.0f, 0.0f};
-    *level = (double) gain;
     if (gain > 0.0f)
-        return GP_OK;
+        return (double) gain;
     const double white = gp_exp2(-(double) plan->tone.exposure);
-    struct rows r = {
+    struct bands b = {
         .image = image, .part = &image->layer, .dark = (float) (WHITE * white)};
-    const gp_status st =
-        gp_alloc_zero(&f->log, "rows", (size_t) h, sizeof *r.peak, &r.peak);
-    if (st)
-        return st;
-    gp_parallel_do(h, find_peak, &r);
-    for (int y = 0; y < h; y++) {
-        for (int i = 0; i < 2; i++)
-            peak[i] = fmaxf(peak[i], r.peak[y][i]);
-    }
-    gp_free(r.peak);
+    gp_parallel_do(GP_FRAME_BANDS, find_peak, &b);
+    for (int k = 0; k < 2 * GP_FRAME_BANDS; k++)
+        peak[k % 2] = fmaxf(peak[k % 2], b.peak[k / 2][k % 2]);
     const double most = (double) (peak[0] > 0.0f ? peak[0] : peak[1]);
     const double shown =
         plan->compose.gain > 0.0f ? (double) plan->compose.gain : 1.0;
-    *level = most > 0.0 ? fmin(WHITE * white / (shown * most), 1e30) : 1.0;
-    return GP_OK;
+    return most > 0.0 ? fmin(WHITE * white / (shown * most), 1e30) : 1.0;
 }
 
 void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
@@ -162,9 +154,9 @@ void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
                        struct gp_planes *kept)
 {
     struct gp_planes part = image->layer;
-    const struct rows r = {
+    struct bands b = {
         .image = image, .part = &part, .to = before, .gain = (float) level};
-    gp_parallel_do(gp_image_h(image), add_part, (void *) (uintptr_t) &r);
+    gp_parallel_do(GP_FRAME_BANDS, add_part, &b);
     image->layer = *before;
     *before = (struct gp_planes) {0};
     if (f->p.parts && kept) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "api/plan.h"
 
-#include "core/colour.h"
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "glare/far_field/far_field.h"
 
 #include <math.h>
@@ -174,10 +172,7 @@ static gp_status take_tone(struct glarepp_plan *plan,
     GP_TRY(keep(plan, &p.curve));
     plan->tone = p;
     plan->converts = p.config && p.output;
-    int i = 0;
-    while (gp_tone_curves[i] && strcmp(gp_tone_curves[i]->name, p.curve) != 0)
-        i++;
-    if (!gp_tone_curves[i] && !p.config)
+    if (!p.config && !gp_tone_find(p.curve))
         st = gp_fail_at(&plan->log, GP_ERR_USAGE, "tone.curve", "tone: no curve "
                         "has this name (found %s)", p.curve);
     else if (p.config)

@@ -305,9 +305,8 @@ GP_MUST_CHECK gp_status gp_api_part_open(struct glarepp_frame *f,
 
 /* The factor of a part: `gain`, or where that is 0 the one that makes its
  * brightest pixel over a dark one of the frame a quarter of white. */
-GP_MUST_CHECK gp_status gp_api_part_level(struct glarepp_frame *f,
-                                          const struct gp_image *image,
-                                          float gain, double *level);
+double gp_api_part_level(const struct glarepp_frame *f,
+                         const struct gp_image *image, float gain);
 
 /* Adds the part times `level` to the layer of before. It is kept in *kept, which
  * may be NULL, where parts are wanted. */

@@ -3,7 +3,6 @@
  * the lights' steps. */
 #include "api/plan.h"
 
-#include "core/depth.h"
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"

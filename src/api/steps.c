@@ -563,20 +563,6 @@ static gp_status finish(struct glarepp_frame *f)
 
 // -- steps --------------------------------------------------------------------
 
-/* A lens's parts, where one may have drawn the frame. */
-static gp_status add_flare(struct glarepp_frame *f)
-{
-    const bool any = f->work->lights->suns.flare.n > 0;
-    const gp_status st = any ? gp_api_has_axis(f) : GP_OK;
-    return st ? st : gp_api_flare(f);
-}
-
-static gp_status add_ghosts(struct glarepp_frame *f)
-{
-    const gp_status st = gp_api_has_axis(f);
-    return st ? st : gp_api_lens(f);
-}
-
 static const struct {
     const char *name;
     gp_status (*run)(struct glarepp_frame *f);
@@ -591,8 +577,8 @@ static const struct {
     [GLAREPP_KERNEL] = {"kernel", make_kernel, BIT(SENSE), false},
     [GLAREPP_LAYER] = {"glare", add_layer, BIT(SENSE) | BIT(KERNEL), false},
     [GLAREPP_VERIFY] = {"verify", verify, BIT(LAYER), false},
-    [GLAREPP_FLARE] = {"flare", add_flare, BIT(SENSE), true},
-    [GLAREPP_LENS] = {"lens", add_ghosts, BIT(SENSE), true},
+    [GLAREPP_FLARE] = {"flare", gp_api_flare, BIT(SENSE), true},
+    [GLAREPP_LENS] = {"lens", gp_api_lens, BIT(SENSE), true},
     [GLAREPP_COMPOSE] = {"compose", compose, 0, false},
     [GLAREPP_TONE] = {"tonemap", show, BIT(COMPOSE), false},
     [GLAREPP_DONE] = {"done", finish, 0, false},
@@ -607,14 +593,6 @@ static bool is_asked(const struct glarepp_plan *plan, enum glarepp_step step)
            : step == GLAREPP_PLACE || step == GLAREPP_SHARES ? plan->lights
            : step == GLAREPP_FLARE ? plan->lights || plan->sun.flare
                                    : true;
-}
-
-/* Lends work to a frame, for the steps that need it. */
-static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
-{
-    const bool idle =
-        step == GLAREPP_TONE || step == GLAREPP_DONE || step == GLAREPP_VERIFY;
-    return idle ? GP_OK : lend(f);
 }
 
 int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
@@ -641,7 +619,8 @@ int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
                           "already", f->sink.name, steps[step].name));
     GP_TRY(gp_api_progress(f->plan->gp, steps[step].name,
                            (double) step / GLAREPP_STEPS));
-    GP_TRY(borrow_work(f, step));
+    if (!(1u << step & (BIT(TONE) | BIT(DONE) | BIT(VERIFY))))
+        GP_TRY(lend(f));
     GP_TRY(steps[step].run(f));
     // (a layer made anew has none of what was added to it)
     f->ran &= ((1u << step) - 1) |

@@ -3,7 +3,6 @@
 
 #include "core/memory.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /* Albedo of a pixel in units where no material is known. */

@@ -6,7 +6,6 @@
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "scene/bounds.h"
 
 #include <math.h>
 

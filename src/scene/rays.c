@@ -3,7 +3,6 @@
 #include "scene/rays.h"
 
 #include "core/memory.h"
-#include "scene/bounds.h"
 
 #include <math.h>
 #include <string.h>

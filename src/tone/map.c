@@ -10,8 +10,6 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum {
@@ -121,17 +119,6 @@ gp_status gp_tone_map(const struct gp_log *log,
         .f = f, .curve = gp_tone_find(p->curve), .scale = 1.0f, .white = 1.0f,
     };
     const size_t pixels = gp_image_pixels(f);
-    if (!m.curve) {
-        char names[256] = "";
-        for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
-            const size_t used = strlen(names);
-            snprintf(names + used, sizeof names - used, "%s%s",
-                     used ? ", " : "", (*c)->name);
-        }
-        return gp_fail_at(log, GP_ERR_USAGE, "tone.curve",
-                          "tone curve: none has this name (found %s); use %s",
-                          p->curve, names);
-    }
     if (!f->shown.c[0]) {
         gp_status st = gp_planes_make(log, "shown frame", pixels, &f->shown);
         if (st)

@@ -15,7 +15,6 @@
 #define GP_TESTS_SCENE_MADE_H
 
 #include "core/memory.h"
-#include "scene/bounds.h"
 #include "unit.h"
 
 #define MADE_PI 3.14159265358979323846

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The scene's cameras beside the frame's: names, projection, comparison, and
  * the axis that points up. */
-#include "scene/bounds.h"
 #include "scene/gltf/gltf_priv.h"
 #include "core/maths.h"
 

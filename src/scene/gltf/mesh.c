@@ -4,7 +4,6 @@
 
 #include "core/maths.h"
 #include "core/memory.h"
-#include "scene/bounds.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -3,7 +3,6 @@
 #include "scene/gltf/gltf_priv.h"
 
 #include "core/memory.h"
-#include "scene/bounds.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/minmax.h"
-#include "scene/bounds.h"
 #include "scene/sets/sets.h"
 
 #include <math.h>

@@ -261,7 +261,7 @@ struct depths {
     int across, down;     // tiles; 0: no depth is known, nothing is hidden
     const float *pixel;   // as of gp_sets_view; borrowed
     struct tile {
-        float least, most; // of all pixels
+        float least;       // of all pixels
         float deepest;     // of surfaces; 0: there is none
     } *tile;              // owned
 };
@@ -287,7 +287,6 @@ static gp_status depths_make(const struct gp_log *log, struct gp_rect window,
             struct tile *const t = &tile[y / TILE * across + x / TILE];
             const bool surface = z > 0.0f && z < GP_DEPTH_HUGE;
             t->least = gp_minf(surface ? z : INFINITY, t->least);
-            t->most = gp_maxf(surface ? z : INFINITY, t->most);
             t->deepest = gp_maxf(surface ? z : 0.0f, t->deepest);
         }
     }
@@ -312,34 +311,18 @@ static struct gp_rect pixels_of(const struct depths *d, int x, int y)
         w.y0 + (y + 1) * TILE};
 }
 
-/* True where all of some pixels have surfaces before `near`. */
-static bool all_before(const struct depths *d, struct gp_rect r, double near)
+/* True where bounds are behind the surfaces of all of their pixels, or have
+ * none: no pixel's centre can show a part of what is in them. */
+static bool depths_hide(const struct depths *d, const struct gp_scissor *b)
 {
-    const struct gp_rect w = d->window;
+    const double near = b->near * (1.0 - DEPTH_SLACK);
+    const struct gp_rect r = b->rect, w = d->window;
     for (int y = r.y0; y < r.y1; y++) {
         const float *const row =
             d->pixel + (size_t) (y - w.y0) * (size_t) gp_rect_w(w);
         for (int x = r.x0; x < r.x1; x++) {
             const float z = row[x - w.x0];
             if (!(z > 0.0f && z < GP_DEPTH_HUGE && near > (double) z))
-                return false;
-        }
-    }
-    return true;
-}
-
-/* True where bounds are behind the surfaces of all of their pixels, or have
- * none: no pixel's centre can show a part of what is in them. */
-static bool depths_hide(const struct depths *d, const struct gp_scissor *b)
-{
-    const double near = b->near * (1.0 - DEPTH_SLACK);
-    if (gp_rect_empty(b->rect))
-        return true;
-    const struct gp_rect all = tiles_of(d, b->rect);
-    for (int y = all.y0; y < all.y1; y++) {
-        for (int x = all.x0; x < all.x1; x++) {
-            if (!(near > (double) d->tile[y * d->across + x].most) &&
-                !all_before(d, gp_rect_meet(b->rect, pixels_of(d, x, y)), near))
                 return false;
         }
     }

@@ -99,16 +99,8 @@ int gp_sets_batches(const struct gp_sets *sets, unsigned set);
 
 // -- the renderer and its table -----------------------------------------------
 
-/* Rows of Table 15-1, each with all parts of those before it. */
-enum gp_table_kind {
-    GP_TABLE_FRUSTUM,   // V is F; L is what a light reaches, S is L
-    GP_TABLE_OCCLUSION, // V by depth; lights that reach nothing of V are left
-                        // out
-    GP_TABLE_LIGHTS,    // L by umbras
-    GP_TABLE_SHADOWS,   // S by the hull of the light and of what it lights
-    GP_TABLE_SCISSOR,
-    GP_TABLE_ROWS,
-};
+/* Rows of Table 15-1: row n has the first n parts of GP_SETS_ALL. */
+enum { GP_TABLE_ROWS = 5 };
 
 struct gp_table {
     struct glarepp_sets_row row[GP_TABLE_ROWS];

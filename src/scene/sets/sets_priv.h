@@ -4,8 +4,6 @@
 #ifndef GP_SCENE_SETS_PRIV_H
 #define GP_SCENE_SETS_PRIV_H
 
-#include "core/minmax.h"
-#include "scene/bounds.h"
 #include "scene/sets/sets.h"
 
 // -- planes, umbras (umbra.c) -------------------------------------------------

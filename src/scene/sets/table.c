@@ -10,11 +10,7 @@
 #include <string.h>
 
 static const char *const names[GP_TABLE_ROWS] = {
-    [GP_TABLE_FRUSTUM] = "frustum",
-    [GP_TABLE_OCCLUSION] = "+ occlusion",
-    [GP_TABLE_LIGHTS] = "+ lights",
-    [GP_TABLE_SHADOWS] = "+ shadows",
-    [GP_TABLE_SCISSOR] = "+ scissor",
+    "frustum", "+ occlusion", "+ lights", "+ shadows", "+ scissor",
 };
 
 /* The scene, its sets and its pictures, for all rows. */
@@ -163,7 +159,7 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
 }
 
 /* Draws the picture of a row once. */
-static gp_status draw_row(struct rows *w, enum gp_table_kind kind,
+static gp_status draw_row(struct rows *w, int kind,
                           struct glarepp_sets_row *row)
 {
     const unsigned use = (1u << kind) - 1u; // a part more than the row before
@@ -175,15 +171,15 @@ static gp_status draw_row(struct rows *w, enum gp_table_kind kind,
     row->visible = list_set(w, sets, GP_SET_V, 0, w->s->objects, w->list);
     row->separate_batches = gp_sets_batches(sets, GP_SET_V);
     for (int i = 0; i < w->s->lights; i++)
-        GP_TRY(draw_light(w, sets, i, kind == GP_TABLE_SCISSOR, row));
+        GP_TRY(draw_light(w, sets, i, kind == GP_TABLE_ROWS - 1, row));
 out:
     gp_sets_close(&sets);
     return st;
 }
 
 /* Draws a row to count and to compare it. */
-static gp_status count_row(struct rows *w, enum gp_table_kind kind,
-                           const float *first, float *picture)
+static gp_status count_row(struct rows *w, int kind, const float *first,
+                           float *picture)
 {
     struct glarepp_sets_row *const row = &w->out->row[kind];
     const size_t bytes = 4 * sizeof *picture * (size_t) w->p->w *
@@ -207,7 +203,7 @@ static gp_status time_rows(struct rows *w)
             const int kind = (i + run) % GP_TABLE_ROWS;
             struct glarepp_sets_row timed, *const row = &w->out->row[kind];
             const double start = gp_now_ms(), cpu = gp_cpu_ms();
-            st = draw_row(w, (enum gp_table_kind) kind, &timed);
+            st = draw_row(w, kind, &timed);
             gp_drawing_wait(w->d);
             row->ms = fmin(row->ms, gp_now_ms() - start);
             row->cpu_ms = fmin(row->cpu_ms, gp_cpu_ms() - cpu);
@@ -264,8 +260,7 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(set_order(&w));
     GP_TRY(gp_drawing_open(log, gl, s, c, p, &w.d));
     for (int i = 0; i < GP_TABLE_ROWS; i++)
-        GP_TRY(count_row(&w, (enum gp_table_kind) i, i ? t.picture : NULL,
-                         i ? other : t.picture));
+        GP_TRY(count_row(&w, i, i ? t.picture : NULL, i ? other : t.picture));
     GP_TRY(time_rows(&w));
     GP_TRY(gp_gl_check(log, gl, "drawing the scene"));
     *out = t;

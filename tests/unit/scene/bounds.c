@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Boxes and spheres of objects, against their vertices one by one. */
-#include "scene/bounds.h"
 #include "scene/gltf/gltf_priv.h"
 
 #include "scene_made.h"
