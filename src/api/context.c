@@ -60,6 +60,7 @@ static void receive(void *user, const struct gp_line *line)
     };
     if (bare && sink->name) {
         snprintf(named, sizeof named, "%s: %s", sink->name, line->text);
+        gp_make_printable(named);
         m.text = named;
     }
     if (m.level == GLAREPP_ERROR && !*m.parameter)

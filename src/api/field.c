@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The field that a frame's kernel is made for: angle of view and projection, and how
- * far the kernel has to reach. */
+/* The step KERNEL, and the field that a frame's kernel is made for: angle of view and
+ * projection, and how far the kernel has to reach. */
 #include "api/plan.h"
 
+#include "core/clock.h"
 #include "core/maths.h"
 #include "core/minmax.h"
+#include "glare/far_field/far_field.h"
 #include "glare/sky/sky.h"
 #include "glare/veil.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Returns the projection of a frame: the plan's, else its file's, else a camera's. */
@@ -22,6 +25,45 @@ static int projection_of(const struct glarepp_frame *f)
            : f->p.projection && f->p.projection != GLAREPP_OF_FRAME
                ? f->p.projection
                : GLAREPP_PERSPECTIVE;
+}
+
+/* Finds the frame's camera, whose place is not needed; false: it has none, or one that
+ * is wrong, which is said where a light needs it. */
+static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
+{
+    const struct glarepp_plan *const plan = f->plan;
+    const enum gp_ndc ndc =
+        (enum gp_ndc)(plan->sun.ndc ? plan->sun.ndc : f->p.ndc);
+    struct glarepp_frame_params about = f->p;
+    bool found = false;
+    about.has_camera = false;
+    if (f->work->lights)
+        return !f->work->lights->suns.wide.kind &&
+               !gp_suns_camera(NULL, &f->work->lights->suns, &about, &f->image,
+                               out, &found) &&
+               found;
+    return f->p.has_ndc &&
+           !gp_camera_make(NULL, NULL, NULL, f->p.to_ndc, ndc, out);
+}
+
+double gp_api_camera_fov(const struct glarepp_frame *f)
+{
+    struct gp_camera c;
+    return f->plan->fov > 0.0   ? f->plan->fov
+           : find_camera(f, &c) ? gp_camera_fov(&c)
+           : f->work->lights    ? f->work->lights->suns.more_fov
+                                : 0.0;
+}
+
+/* Finds the projection of that camera; false: the angle of view is not a camera's. */
+static bool camera_projection(const struct glarepp_frame *f,
+                              struct gp_projection *out)
+{
+    struct gp_camera c;
+    if (f->plan->fov > 0.0 || !find_camera(f, &c))
+        return false;
+    *out = gp_camera_projection(&c, f->image.display);
+    return true;
 }
 
 static const enum gp_projecting KIND[] = {GP_PLANE, GP_PERSPECTIVE, GP_LATLONG,
@@ -65,10 +107,9 @@ gp_status gp_api_has_axis(const struct glarepp_frame *f)
 {
     if (projection_of(f) != GLAREPP_LATLONG)
         return GP_OK;
-    return gp_fail_at(&f->log, GP_ERR_USAGE, "plan.projection.axis",
-                      "%s: a lat-long frame has no axis of a lens, around "
-                      "which its flare and ghosts lie",
-                      f->sink.name);
+    return gp_api_refuse(f, "plan.projection.axis",
+                         "a lat-long frame has no axis of a lens, around which "
+                         "its flare and ghosts lie");
 }
 
 /* The field of a frame: its angle of view is the plan's, else its camera's or
@@ -100,7 +141,7 @@ struct gp_field gp_api_field(struct glarepp_frame *f,
     if (kind != GLAREPP_PLANE) {
         const struct gp_rect *const data = &f->image.data;
         struct gp_projection p = gp_api_wide(f);
-        if (kind == GLAREPP_PERSPECTIVE && !gp_api_camera(f, &p))
+        if (kind == GLAREPP_PERSPECTIVE && !camera_projection(f, &p))
             p = gp_projection_of(KIND[kind], f->image.display, field.aspect,
                                  fov);
         field.degrees = fmin(p.dy * (180.0 / M_PI), 180.0); // in its middle
@@ -119,7 +160,9 @@ struct gp_field gp_api_field(struct glarepp_frame *f,
     return field;
 }
 
-void gp_api_note_plane(struct glarepp_frame *f, const struct gp_field *field,
+/* Says why true angles are not those of a frame of any but a plane; its layer has no
+ * bound where its models would follow them. */
+static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
                        const struct gp_kernel_request *r)
 {
     static const char FISHEYES[] =
@@ -166,7 +209,9 @@ static void reach_lights(const struct glarepp_frame *f, struct gp_field *field)
     }
 }
 
-void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field)
+/* Widens the field so that lights outside of the frame light all of it, and by its
+ * mirror image. */
+static void field_reach(const struct glarepp_frame *f, struct gp_field *field)
 {
     if (f->work->lights)
         reach_lights(f, field);
@@ -182,8 +227,10 @@ void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field)
     }
 }
 
-/* The share of the light of a frame's sources that falls outside of it. */
-double gp_api_left_out(const struct glarepp_frame *f, const struct gp_kernel *k)
+/* The share of the light of a frame's sources that falls outside of it, by a kernel of
+ * true angles. */
+static double left_out_of(const struct glarepp_frame *f,
+                          const struct gp_kernel *k)
 {
     const struct gp_sources *const src = gp_api_bright(f);
     const float *const weight = f->image.luminance;
@@ -251,4 +298,240 @@ gp_status gp_api_veil(struct glarepp_frame *f)
     f->facts.veil.pigment = p.pigment;
     memcpy(f->facts.veil.at, p.at, sizeof p.at);
     return gp_veil_measure(&f->log, &p, &f->image, &f->facts);
+}
+
+// -- kernel -------------------------------------------------------------------
+
+/* Gives openings the stop of the lens, but for keys that are written. */
+static void fit_lens(const struct gp_api_stop *stop, int recipes,
+                     struct gp_recipe recipe[GP_RECIPES])
+{
+    for (int i = 0; i < recipes; i++) {
+        struct gp_recipe *const k = &recipe[i];
+        if (strcmp(k->model->name, "aperture") != 0)
+            continue;
+        gp_recipe_preset(k, "blades", stop->blades);
+        gp_recipe_preset(k, "roundness", 0.0);
+        gp_recipe_preset(k, "rotation", stop->turn);
+        gp_recipe_preset(k, "fnumber", stop->f_number);
+        gp_recipe_preset(k, "focal", stop->focal);
+    }
+}
+
+/* The frame's use of a kernel; *worst is the recipe that misses most. */
+static struct gp_kernel_use use_of(const struct glarepp_frame *f,
+                                   const struct gp_kernel_request *r,
+                                   const struct gp_made_kernel *made,
+                                   int *worst)
+{
+    const struct gp_field *const field = &made->field;
+    const double scale = r->recipes ? 1.0 : gp_kernel_request_scale(r, field);
+    struct gp_kernel_use use = {0};
+    double shares = 0.0, missed = 0.0, most = 0.0;
+    *worst = 0;
+    for (int i = 0; i < gp_max(r->recipes, 1); i++) {
+        const double share = r->recipes ? r->recipe[i].value[0] : 1.0;
+        gp_kernel_label_use(&r->label[i], scale, &made->k,
+                            gp_image_w(&f->image), gp_image_h(&f->image), &use);
+        missed += share * use.missed;
+        *worst = share * use.missed > most ? i : *worst;
+        most = fmax(most, share * use.missed);
+        shares += share;
+    }
+    use.missed = missed / fmax(shares, 1.0);
+    use.share = gp_kernel_request_share(r);
+    use.ends = use.ends && !r->recipes;
+    if (!r->recipes) {
+        use.as_it_is = use.as_it_is && r->params.normalize == GP_NORMALIZE_NONE;
+        use.centred = r->params.centered;
+        use.resampled =
+            made->k.unturned || field->aspect != 1.0 || scale != 1.0;
+    }
+    use.add = f->plan->compose.mix == GLAREPP_ADD;
+    use.brightest =
+        (double) f->sources.brightest * (double) f->plan->compose.gain;
+    return use;
+}
+
+/* The use of an image that a recipe names, by its keys. */
+static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
+{
+    const struct gp_model_key *const keys = recipe->model->keys;
+    struct gp_kernel_use use = {.as_it_is = recipe->as_it_is};
+    for (int i = 0; keys[i].name; i++) {
+        if (recipe->value[i] == keys[i].preset)
+            continue;
+        use.centred |=
+            strcmp(keys[i].name, "x") == 0 || strcmp(keys[i].name, "y") == 0;
+        use.resampled |= strcmp(keys[i].name, "size") == 0 ||
+                         strcmp(keys[i].name, "percent") == 0;
+    }
+    return use;
+}
+
+/* Kernel i of the plan, 0 its own, as it was made for a frame. */
+struct made {
+    struct gp_api_plan_kernel *of;
+    const struct gp_made_kernel *it;
+    int i;
+};
+
+/* A warning about the words [first, last) of the kernel. */
+static void warn_of(const struct glarepp_frame *f, const struct made *m,
+                    int first, int last, const struct gp_fault *fault)
+{
+    char parameter[64];
+    if (m->i)
+        snprintf(parameter, sizeof parameter, "plan.more %d %s", m->i - 1,
+                 fault->parameter);
+    else
+        snprintf(parameter, sizeof parameter, "kernel.word %d %d %s", first,
+                 last, fault->parameter);
+    gp_say_at(&f->log, GP_LEVEL_WARN, parameter, "%s", fault->line);
+}
+
+/* Warns, once a plan, of each fault of a kernel that a frame shows. */
+static void warn_of_kernel(const struct glarepp_frame *f, const struct made *m,
+                           const struct gp_field *field,
+                           const struct gp_kernel_use *use, int worst)
+{
+    const struct gp_kernel_request *const r = m->of->request;
+    const struct glarepp_label *const l = &r->label[0];
+    struct gp_fault fault;
+    for (int i = 0; i < GP_KERNEL_RULES; i++) {
+        const bool one = i == GP_RULE_LEFT_OUT;
+        if (gp_kernel_fault(&m->it->figures, use, (enum gp_kernel_rule) i,
+                            &fault) &&
+            gp_api_says(&m->of->said, 1u << i))
+            warn_of(f, m, one ? worst : 0, one ? worst + 1 : GP_RECIPES,
+                    &fault);
+    }
+    if (r->recipes || !l->present ||
+        strcmp(f->facts.kernel.fov_from, "default") == 0)
+        return;
+    // (an image may be kept from another angle)
+    const double made = gp_middle_degrees(l->fov, l->h);
+    const double used = field->degrees * gp_kernel_request_scale(r, field);
+    fault.parameter = "kernel.percent.angle";
+    snprintf(fault.line, sizeof fault.line,
+             "made for %.4g degrees a pixel, "
+             "used at %.4g (%.4g%% of it would fit); make it again for this "
+             "angle and size",
+             made, used, 100.0 * made / field->degrees);
+    if (fabs(used / made - 1.0) > 0.01 &&
+        gp_api_says(&m->of->said, GP_SAID_ANGLE))
+        warn_of(f, m, 0, 1, &fault);
+}
+
+/* Warns, once a plan, of faults of images among several kernels. */
+static gp_status warn_of_images(const struct glarepp_frame *f,
+                                const struct made *m)
+{
+    const struct gp_kernel_request *const r = m->of->request;
+    if (!r->recipes || !gp_api_says(&m->of->said, GP_SAID_IMAGES))
+        return GP_OK;
+    for (int i = 0; i < r->recipes; i++) {
+        const struct gp_recipe *const recipe = &r->recipe[i];
+        const struct gp_kernel_params p = {
+            .normalize = GP_NORMALIZE_NONE,
+            .left_out = r->label[i].left_out,
+        };
+        const struct gp_kernel_use use = use_of_image(recipe);
+        struct gp_kernel_figures figures;
+        struct gp_kernel k;
+        struct gp_fault fault;
+        if (strcmp(recipe->model->name, "image") != 0)
+            continue;
+        const gp_status st =
+            gp_kernel_from_frame(&f->log, &p, recipe->image, &k);
+        if (st)
+            return st;
+        gp_kernel_measure(&k, recipe->image->luminance, &figures);
+        gp_kernel_free(&k);
+        for (int rule = GP_RULE_SIZE; rule <= GP_RULE_SYMMETRY; rule++) {
+            if (gp_kernel_fault(&figures, &use, (enum gp_kernel_rule) rule,
+                                &fault))
+                warn_of(f, m, i, i + 1, &fault);
+        }
+    }
+    return GP_OK;
+}
+
+/* Takes kernel i of the plan, made for the field unless it is kept, and warns of
+ * it; returns its use and the time of making it. */
+static gp_status take_kernel(struct glarepp_frame *f, int i,
+                             const struct gp_field *field,
+                             struct gp_made_kernel **out,
+                             struct gp_kernel_use *use)
+{
+    struct glarepp_kernel_facts *const facts = &f->facts.kernel;
+    const double from = gp_now_ms(), cpu = gp_cpu_ms();
+    struct made m = {.of = &f->plan->kernel[i], .i = i};
+    const struct gp_kernel_request *const r = m.of->request;
+    struct gp_recipe recipe[GP_RECIPES];
+    struct gp_api_stop stop;
+    bool made;
+    int worst;
+    gp_status st;
+    memcpy(recipe, r->recipe, sizeof recipe);
+    if (f->plan->lens_params.lens && gp_api_lens_stop(f, &stop))
+        fit_lens(&stop, r->recipes, recipe);
+    for (int k = 0; k < r->recipes; k++)
+        gp_recipe_adapt(&recipe[k], f->mean, f->white);
+    gp_made_kernel_free(out);
+    GP_TRY(gp_kernels_take(&f->log, m.of->kept, recipe, field, &made, out));
+    m.it = *out;
+    GP_TRY(warn_of_images(f, &m));
+    if (made) {
+        facts->ms += gp_now_ms() - from;
+        facts->cpu_ms += gp_cpu_ms() - cpu;
+    }
+    *use = use_of(f, r, m.it, &worst);
+    warn_of_kernel(f, &m, field, use, worst);
+out:
+    return st;
+}
+
+gp_status gp_api_make_kernel(struct glarepp_frame *f)
+{
+    struct glarepp_kernel_facts *const facts = &f->facts.kernel;
+    const struct gp_kernel_request *const r = f->plan->kernel->request;
+    const struct gp_api_lights *const lights = f->work->lights;
+    struct gp_kernel_use use, other;
+    gp_status st;
+    if (!f->sources.n && !(lights && gp_suns_have_light(&lights->suns, true)))
+        return GP_OK;
+    struct gp_field field = gp_api_field(f, facts);
+    field_reach(f, &field);
+    facts->ms = facts->cpu_ms = 0.0;
+    GP_TRY(take_kernel(f, 0, &field, &f->kernel, &use));
+    for (int i = 0; f->more && i < f->plan->mores; i++) {
+        if (f->more[i].sources.n)
+            GP_TRY(take_kernel(f, 1 + i, &field, &f->more[i].kernel, &other));
+    }
+    const struct gp_kernel *const k = &f->kernel->k;
+    facts->recipes = r->recipes;
+    facts->modelled = r->recipes || r->label[0].present;
+    facts->w = k->w;
+    facts->h = k->h;
+    facts->grid = k->far ? k->far->split.step : 0;
+    facts->left_out = fmax(k->sky ? left_out_of(f, k) : k->left_out, 0.0);
+    f->flat = false;
+    if (!k->sky && field.projection.kind != GP_PLANE)
+        note_plane(f, &field, r);
+    else if (f->p.projection == GLAREPP_LATLONG &&
+             strcmp(f->plan->glare.engine, "splat") == 0)
+        gp_say(&f->log, GP_LEVEL_WARN,
+               "%s: a lat-long, drawn as a plane of %g degrees: splat has one "
+               "shape everywhere",
+               f->sink.name, facts->fov);
+    facts->missed = use.missed;
+    memcpy(facts->faint, k->faint, sizeof facts->faint);
+    for (int i = 0; i < r->recipes; i++) {
+        facts->pupil[i] =
+            gp_recipe_pupil(&f->kernel->recipe[i], &f->kernel->field);
+        facts->recipe[i] = f->kernel->text[i];
+    }
+out:
+    return st;
 }

@@ -5,7 +5,6 @@
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "glare/splat/polygons.h"
-#include "tone/tone.h"
 
 #include <string.h>
 
@@ -23,15 +22,15 @@ static gp_status import_groups(struct glarepp_frame *f,
         const struct glarepp_image *const from = &p->group[f->groups];
         struct gp_api_group *const g = &f->group[f->groups];
         if (memcmp(&from->data, &p->image.data, sizeof from->data) != 0)
-            return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.group",
-                              "%s: the window of group %d is another",
-                              f->sink.name, f->groups + 1);
+            return gp_api_refuse(f, "frame.group",
+                                 "the window of group %d is another",
+                                 f->groups + 1);
         g->how = p->how ? p->how[f->groups] : (struct glarepp_group) {0, 1.0f};
         GP_TRY(gp_api_check(&f->log, "group", &g->how));
         if (g->how.kernel > f->plan->mores)
-            return gp_fail_at(&f->log, GP_ERR_USAGE, "group.kernel",
-                              "%s: the plan has no such kernel (found %d)",
-                              f->sink.name, g->how.kernel);
+            return gp_api_refuse(f, "group.kernel",
+                                 "the plan has no such kernel (found %d)",
+                                 g->how.kernel);
         GP_TRY(gp_api_import(&f->log, from, p->in_place, &g->image));
         g->borrowed = g->image.rgb.c[0] == from->plane[0];
     }
@@ -156,45 +155,6 @@ const struct glarepp_facts *glarepp_frame_facts(const struct glarepp_frame *f)
     return &f->facts;
 }
 
-// -- what steps look at -----------------------------------------------------
-
-/* Finds the frame's camera, whose place is not needed; false: it has none, or one that
- * is wrong, which is said where a light needs it. */
-static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
-{
-    const struct glarepp_plan *const plan = f->plan;
-    const enum gp_ndc ndc =
-        (enum gp_ndc) (plan->sun.ndc ? plan->sun.ndc : f->p.ndc);
-    struct glarepp_frame_params about = f->p;
-    bool found = false;
-    about.has_camera = false;
-    if (f->work->lights)
-        return !f->work->lights->suns.wide.kind &&
-               !gp_suns_camera(NULL, &f->work->lights->suns, &about, &f->image,
-                               out, &found) &&
-               found;
-    return f->p.has_ndc &&
-           !gp_camera_make(NULL, NULL, NULL, f->p.to_ndc, ndc, out);
-}
-
-double gp_api_camera_fov(const struct glarepp_frame *f)
-{
-    struct gp_camera c;
-    return f->plan->fov > 0.0   ? f->plan->fov
-           : find_camera(f, &c) ? gp_camera_fov(&c)
-           : f->work->lights    ? f->work->lights->suns.more_fov
-                                : 0.0;
-}
-
-bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out)
-{
-    struct gp_camera c;
-    if (f->plan->fov > 0.0 || !find_camera(f, &c))
-        return false;
-    *out = gp_camera_projection(&c, f->image.display);
-    return true;
-}
-
 // -- views --------------------------------------------------------------------
 
 /* Makes floats of the sum in double, to look at. */
@@ -279,8 +239,8 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
         goto out;
     }
     if (!to)
-        GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: this plane cannot "
-                          "be set (found %d)", f->sink.name, (int) view));
+        GP_TRY(gp_api_refuse(f, "view", "this plane cannot be set (found %d)",
+                             (int) view));
     f->hidden = false;
     for (int c = 0; c < planes; c++) {
         gp_plane_free(&to[c]);
@@ -336,9 +296,9 @@ static gp_status draw_map(struct glarepp_frame *f, bool intensity,
     if (p->planes.c[0])
         return GP_OK;
     if (!f->work || !f->work->lights || !(f->ran & 1u << GLAREPP_SHARES))
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: maps of lights "
-                          "are there between the steps SHARES and DONE",
-                          f->sink.name);
+        return gp_api_refuse(
+            f, "view",
+            "maps of lights are there between the steps SHARES and DONE");
     const struct gp_suns *const suns = &f->work->lights->suns;
     return gp_sun_map_picture(&f->log, &suns->occluders,
                               intensity ? NULL : suns->p, &f->image,
@@ -362,8 +322,7 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
         : view == GLAREPP_INTENSITY ? &f->intensity : NULL;
     gp_status st = GP_OK;
     if (group && !grouped)
-        GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "group", "%s: no such group "
-                          "(found %d)", f->sink.name, group));
+        GP_TRY(gp_api_refuse(f, "group", "no such group (found %d)", group));
     if (layer && !group)
         GP_TRY(gp_api_dark_layer(&f->log, &f->image));
     if (view == GLAREPP_OUTPUT && f->plan->converts)
@@ -385,9 +344,9 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
         data = (struct gp_rect) {0, 0, picture->size[0], picture->size[1]};
     }
     if (!planes || !planes->c[0])
-        GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: the step that "
-                          "makes this plane was not run (found %d)",
-                          f->sink.name, (int) view));
+        GP_TRY(gp_api_refuse(
+            f, "view", "the step that makes this plane was not run (found %d)",
+            (int) view));
     *out = gp_api_view(planes, data, picture ? NULL : image);
 out:
     return gp_api_end(outer, st);

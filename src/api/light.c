@@ -110,10 +110,11 @@ static gp_status measure_by_scene(struct glarepp_frame *f)
     if (f->plan->sun.outside != GLAREPP_BY_SCENE || suns->n == 0)
         return GP_OK;
     if (!scene || !scene->has_camera)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.outside", "%s: shares "
-                          "outside of the frame by a scene need a camera (the "
-                          "frame has no worldToNDC, %s no camera)",
-                          f->sink.name, f->plan->scene.path);
+        return gp_api_refuse(
+            f, "lights.outside",
+            "shares outside of the frame by a scene need a camera (the frame "
+            "has no worldToNDC, %s no camera)",
+            f->plan->scene.path);
     const struct gp_eye_window window = {&scene->frame_camera,
                                          f->image.display, known};
     const struct gp_v3 eye = gp_camera_eye(&scene->frame_camera);
@@ -197,8 +198,8 @@ gp_status gp_api_shares(struct glarepp_frame *f)
         traced += suns->light[i].traced;
     }
     if (f->deep.first && f->plan->sun.method != GLAREPP_EXACT)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.method",
-                          "%s: GL has no samples of deep pixels", f->sink.name);
+        return gp_api_refuse(f, "lights.method",
+                             "GL has no samples of deep pixels");
     if (!f->hidden)
         gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
                      f->mask.v ? &f->mask : NULL,

@@ -219,6 +219,11 @@ struct glarepp_frame {
     struct glarepp_facts facts;
 };
 
+/* Refuses what a caller asks of a frame, whose name the message begins with: a
+ * parameter, a format and its values. Returns GP_ERR_USAGE. */
+#define gp_api_refuse(f, ...) \
+    gp_fail_bare_at(&(f)->log, GP_ERR_USAGE, __VA_ARGS__)
+
 /* The kernel of a frame; empty where none was needed. */
 static inline const struct gp_kernel *
 gp_api_kernel(const struct glarepp_frame *f)
@@ -263,29 +268,15 @@ GP_MUST_CHECK gp_status gp_api_has_axis(const struct glarepp_frame *f);
 /* The projection of a LATLONG or fisheye, in EXR pixel space; PLANE: the frame is none. */
 struct gp_projection gp_api_wide(const struct glarepp_frame *f);
 
-/* Says why true angles are not those of a frame of any but a plane; its layer has no
- * bound where its models would follow them. */
-void gp_api_note_plane(struct glarepp_frame *f, const struct gp_field *field,
-                       const struct gp_kernel_request *r);
-
-/* Finds the projection of that camera; false: the angle of view is not a camera's. */
-bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);
-
-/* Finds the field of a frame, and the facts of its angle; and widens it, so that lights
- * outside of the frame light all of it, and by its mirror image. */
+/* Finds the field of a frame, and the facts of its angle. */
 struct gp_field gp_api_field(struct glarepp_frame *f,
                              struct glarepp_kernel_facts *facts);
-void gp_api_field_reach(const struct glarepp_frame *f, struct gp_field *field);
 
 /* Finds facts.veil, of a frame that wants it. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_api_veil(struct glarepp_frame *f);
 
-/* The share of the light of a frame's sources that falls outside of it, by a kernel of
- * true angles. */
-double gp_api_left_out(const struct glarepp_frame *f,
-                       const struct gp_kernel *k);
-
-/* Steps of light.c, lens.c and scene.c, for plans that ask for them. */
+/* Steps of field.c, and of light.c, lens.c and scene.c for plans that ask for them. */
+gp_status gp_api_make_kernel(struct glarepp_frame *f);
 gp_status gp_api_pose(struct glarepp_frame *f);
 gp_status gp_api_relight(struct glarepp_frame *f);
 gp_status gp_api_place(struct glarepp_frame *f);
@@ -295,7 +286,7 @@ void gp_api_warn_of_lights(struct glarepp_frame *f);
 gp_status gp_api_flare(struct glarepp_frame *f);
 gp_status gp_api_lens(struct glarepp_frame *f);
 
-// -- parts of the layer: part.c ------------------------------------------------
+// -- layers: groups.c ------------------------------------------------
 
 /* Takes the layer of an image away, to `before`, and gives it a dark one to draw a
  * part in. Errors: GP_ERR_BUG out of memory; the layer is as it was. */
@@ -314,18 +305,12 @@ void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
                        double level, struct gp_planes *before,
                        struct gp_planes *kept);
 
-/* Moves what a kernel leaves in the pixels of sources, times `gain`, from the veil
- * to the core. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_api_part_core(struct glarepp_frame *f,
-                                         const struct gp_sources *s,
-                                         const struct gp_kernel *k, float gain);
-
 /* Makes a part that is looked at, where no step did: without flare and ghosts, or
  * dark. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_api_part_find(struct glarepp_frame *f,
                                          enum glarepp_view view);
 
-/* Groups, of groups.c. Finds their sources, in place of the frame's own. */
+/* Finds the sources of groups, in place of the frame's own. */
 GP_MUST_CHECK gp_status gp_api_sense_groups(struct glarepp_frame *f);
 
 /* Makes the frame's layer, by all of its kernels. */
@@ -333,14 +318,6 @@ GP_MUST_CHECK gp_status gp_api_layers(struct glarepp_frame *f);
 
 /* The same in double: 3 w h numbers, to be freed with gp_free(). */
 GP_MUST_CHECK gp_status gp_api_exact(struct glarepp_frame *f, double **out);
-
-/* The kernel of a group; NULL: none was needed. */
-static inline const struct gp_made_kernel *
-gp_api_group_kernel(const struct glarepp_frame *f, const struct gp_api_group *g)
-{
-    const int more = g->how.kernel - 1;
-    return more < 0 ? f->kernel : f->more ? f->more[more].kernel : NULL;
-}
 
 /* Gives groups their parts, in place of the frame's veil, core and flare. */
 GP_MUST_CHECK gp_status gp_api_part_groups(struct glarepp_frame *f);

@@ -215,9 +215,10 @@ static gp_status find_camera(struct glarepp_frame *f)
     own->settled = own->settled || own->has_camera;
     if (own->camera < 0 && !own->has_camera && s->cameras) {
         camera_names(s, names, sizeof names);
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "scene.camera", "%s: the frame "
-                          "has no camera (worldToNDC), %s has %d: %s",
-                          f->sink.name, f->plan->scene.path, s->cameras, names);
+        return gp_api_refuse(
+            f, "scene.camera",
+            "the frame has no camera (worldToNDC), %s has %d: %s",
+            f->plan->scene.path, s->cameras, names);
     }
     if (own->camera < 0)
         return GP_OK;
@@ -254,13 +255,12 @@ static gp_status check_relight(const struct glarepp_frame *f)
     if (st || !p->relights)
         return st;
     if (!own->has_camera)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.has_ndc", "%s: "
-                          "relighting needs a camera, and neither the frame nor "
-                          "the scene has one", f->sink.name);
+        return gp_api_refuse(f, "frame.has_ndc",
+                             "relighting needs a camera, and neither the frame "
+                             "nor the scene has one");
     if (own->frame_camera.wide.kind)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "plan.projection.relight",
-                          "%s: relighting needs a perspective frame",
-                          f->sink.name);
+        return gp_api_refuse(f, "plan.projection.relight",
+                             "relighting needs a perspective frame");
     if (f->plan->sun.depth != GLAREPP_Z)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.depth", "relighting "
                           "needs distances along the view axis");
@@ -310,8 +310,7 @@ static gp_status check_planes(const struct glarepp_frame *f)
     gp_status st = check_relight(f);
     for (int i = 0; i < 3 && !st; i++) {
         if (!plane[i]->v)
-            st = gp_fail_at(&f->log, GP_ERR_USAGE, parameter[i], "%s: "
-                            "relighting needs %s", f->sink.name, name[i]);
+            st = gp_api_refuse(f, parameter[i], "relighting needs %s", name[i]);
     }
     return st;
 }

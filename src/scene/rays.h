@@ -38,8 +38,7 @@ struct gp_rays {
  * are not yet in `meshes`: 92 bytes for each triangle of these, 110 more while
  * they are built; 420 for each object.
  *   meshes  of this scene; they are there as long as `out` is used
- *   out     zero; freed by gp_rays_free() in any case
- * Errors: GP_ERR_BUG memory. */
+ *   out     zero; freed by gp_rays_free() in any case */
 GP_MUST_CHECK gp_status gp_rays_make(const struct gp_log *log,
                                      const struct gp_scene *s,
                                      struct gp_meshes *meshes,

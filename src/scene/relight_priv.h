@@ -32,8 +32,7 @@ struct gp_colours {
 };
 
 /* Makes *out, empty on failure; free with gp_colours_free().
- *   shade  n pixels; are sorted
- * Errors: GP_ERR_BUG memory is full. */
+ *   shade  n pixels; are sorted */
 GP_MUST_CHECK gp_status gp_colours_make(const struct gp_log *log,
                                         const struct gp_scene *s,
                                         struct gp_shade *shade, size_t n,

@@ -38,8 +38,7 @@ const struct gp_tone_curve *gp_tone_find(const char *name);  // or NULL
  * primaries and exposure untouched. f->shown is made when it is empty, else it
  * has the frame's size and is written over.
  * White 0 is the frame's maximum, FLT_MIN where it is under that.
- *   p  its curve is one of gp_tone_curves
- * Errors: GP_ERR_BUG memory. */
+ *   p  its curve is one of gp_tone_curves */
 GP_MUST_CHECK gp_status gp_tone_map(const struct gp_log *log,
     const struct glarepp_tone_params *p, struct gp_image *f);
 

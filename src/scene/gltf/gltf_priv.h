@@ -42,7 +42,9 @@ struct gp_gltf {
     struct gp_gltf_buffer *buffer;
     int buffers;
     bool beside;       // a buffer is a file of its own
-    size_t taken;      // bytes of content
+    const struct gp_scene_images *images; // as of gp_scene_read()
+    long long texels;                     // of all cut-outs
+    size_t taken;                         // bytes of content
     bool odd[GP_GLTF_ODD]; // what it has
 };
 
@@ -137,7 +139,7 @@ GP_MUST_CHECK gp_status gp_gltf_indices(const struct gp_gltf_accessor *a,
 
 /* Reads materials with the coverage of their textures, then meshes. */
 GP_MUST_CHECK gp_status gp_gltf_materials(struct gp_gltf *g,
-    const struct gp_scene_images *images, struct gp_scene *out);
+                                          struct gp_scene *out);
 GP_MUST_CHECK gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out);
 
 // -- anim.c ------------------------------------------------------------------

@@ -16,8 +16,7 @@ enum { MOST_TEXELS = 1 << 24 };
 
 /* Reads an image into the cut-out of a texture, or shares that of another. */
 static gp_status read_image(struct gp_gltf *g, int index,
-    const struct gp_scene_images *images, long long *texels,
-    const struct gp_scene *s, int texture)
+                            const struct gp_scene *s, int texture)
 {
     struct gp_cutout *const c = &s->cutout[texture];
     const struct gp_json_place place = gp_gltf_at(g, "image", index);
@@ -33,12 +32,12 @@ static gp_status read_image(struct gp_gltf *g, int index,
     }
     GP_TRY(gp_gltf_image(g, index, &span, &own, &file));
     snprintf(name, sizeof name, "%s: image %d", g->path, index);
-    GP_TRY(images->alpha(images->user, g->log, file ? file : name, span.at,
-                         (size_t) span.bytes, MOST_TEXELS, c));
+    GP_TRY(g->images->alpha(g->images->user, g->log, file ? file : name,
+                            span.at, (size_t) span.bytes, MOST_TEXELS, c));
     c->image = index;
     c->owner = texture;
-    *texels += (long long) c->w * c->h;
-    if (*texels > MOST_TEXELS)
+    g->texels += (long long) c->w * c->h;
+    if (g->texels > MOST_TEXELS)
         GP_TRY(gp_gltf_fail(&place, "images of cut-outs of over %d texels "
                             "together", (int) MOST_TEXELS));
 out:
@@ -49,8 +48,7 @@ out:
 
 /* Reads a texture, unless another material has. */
 static gp_status read_cutout(struct gp_gltf *g, int texture,
-    const struct gp_scene_images *images, long long *texels,
-    struct gp_scene *out)
+                             struct gp_scene *out)
 {
     struct gp_cutout *const c = &out->cutout[texture];
     const struct gp_json_place at = gp_gltf_at(g, "texture", texture);
@@ -63,7 +61,7 @@ static gp_status read_cutout(struct gp_gltf *g, int texture,
     GP_TRY(gp_gltf_index(g, &at, o, "sampler", "samplers", &sampler));
     if (image < 0)
         GP_TRY(gp_gltf_fail(&at, "no \"source\", a PNG or JPEG"));
-    GP_TRY(read_image(g, image, images, texels, out, texture));
+    GP_TRY(read_image(g, image, out, texture));
     if (sampler >= 0) {
         json_t *const s = gp_gltf_item(g, "samplers", sampler);
         GP_TRY(gp_json_int(&at, s, "wrapS", 0, INT_MAX, &code[0]));
@@ -132,13 +130,10 @@ out:
     return st;
 }
 
-gp_status gp_gltf_materials(struct gp_gltf *g,
-                            const struct gp_scene_images *images,
-                            struct gp_scene *out)
+gp_status gp_gltf_materials(struct gp_gltf *g, struct gp_scene *out)
 {
     const int n = gp_gltf_count(g, "materials");
     const int textures = gp_gltf_count(g, "textures");
-    long long texels = 0;
     gp_status st;
     GP_TRY(gp_gltf_alloc(g, (size_t) n + 1, sizeof *out->material,
                          &out->material));
@@ -154,10 +149,10 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
         int texture;
         m->cutout = -1;
         GP_TRY(read_material(g, i, &texture, m));
-        g->odd[GP_GLTF_BLIND] |= texture >= 0 && !images;
-        if (texture < 0 || !images)
+        g->odd[GP_GLTF_BLIND] |= texture >= 0 && !g->images;
+        if (texture < 0 || !g->images)
             continue;
-        GP_TRY(read_cutout(g, texture, images, &texels, out));
+        GP_TRY(read_cutout(g, texture, out));
         m->cutout = texture;
     }
 out:

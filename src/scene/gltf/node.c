@@ -363,14 +363,14 @@ gp_status gp_scene_read(const struct gp_log *log, const char *path,
                         const struct gp_scene_images *images,
                         struct gp_scene *out)
 {
-    struct gp_gltf g = {0};
+    struct gp_gltf g = {.images = images};
     struct gp_scene s = {0};
     gp_status st;
     GP_TRY(gp_gltf_open(log, path, &g));
     s.path = gp_strdup(path);
     if (!s.path)
         GP_TRY(gp_no_memory(log, path));
-    GP_TRY(gp_gltf_materials(&g, images, &s));
+    GP_TRY(gp_gltf_materials(&g, &s));
     GP_TRY(gp_gltf_meshes(&g, &s));
     GP_TRY(read_nodes(&g, &s));
     GP_TRY(gp_gltf_animations(&g, &s));

@@ -5,7 +5,6 @@
 #include "core/memory.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { TEXELS = 2 }; // of a vertex, as scene.vert reads them
@@ -14,6 +13,9 @@ enum { TEXELS = 2 }; // of a vertex, as scene.vert reads them
 struct run {
     int first, count;
 };
+
+/* Programs: + 1 with holes, of SHADOW + 2 for cubes; LIGHT + GP_LIGHT_... */
+enum { AMBIENT = 0, SHADOW = 2, LIGHT = 6, SPOT_IN_CUBE = 3, PROGRAMS = 10 };
 
 struct gp_drawing {
     const struct gp_log *log;
@@ -26,17 +28,13 @@ struct gp_drawing {
     struct run *submesh;       // a submesh of the scene
     struct run *opaque;        // a mesh of it; count 0: none
     struct gp_texture *cutout; // alpha, of each of the scene's
-    struct gp_program ambient[2]; // [1]: with holes
-    struct gp_program shadow[2][2]; // [1]: of cubes; [1]: with holes
-    struct gp_program light[4]; // GP_LIGHT_..., spot in a cube
+    struct gp_program program[PROGRAMS];
     struct gp_target picture;
     struct gp_target maps[2];  // square and atlas; made when first used
     double to_clip[16];        // of the picture
     struct gp_v3 eye;
     struct glarepp_sets_row *counts; // of the row that is drawn
 };
-
-enum { SPOT_IN_CUBE = 3 };
 
 // -- maps of shadows ----------------------------------------------------------
 //
@@ -231,29 +229,25 @@ out:
 
 static gp_status make_programs(struct gp_drawing *d)
 {
-    static const char *const solid[2] = {"", "#define HOLES\n"};
-    static const char *const lights[4] = {
-        [GP_LIGHT_DIRECTIONAL] = "#define LIT\n#define SUN\n",
-        [GP_LIGHT_POINT] = "#define LIT\n#define IN_CUBE\n",
-        [GP_LIGHT_SPOT] = "#define LIT\n#define SPOT\n",
-        [SPOT_IN_CUBE] = "#define LIT\n#define SPOT\n#define IN_CUBE\n",
+#define HOLES "#define HOLES\n"
+#define LIT "#define LIT\n"
+    static const char *const defines[PROGRAMS] = {
+        [AMBIENT] = "#define COLOUR\n",
+        "#define COLOUR\n" HOLES,
+        [SHADOW] = "",
+        HOLES,
+        "#define CUBE\n",
+        "#define CUBE\n" HOLES,
+        [LIGHT + GP_LIGHT_DIRECTIONAL] = LIT "#define SUN\n",
+        [LIGHT + GP_LIGHT_POINT] = LIT "#define IN_CUBE\n",
+        [LIGHT + GP_LIGHT_SPOT] = LIT "#define SPOT\n",
+        [LIGHT + SPOT_IN_CUBE] = LIT "#define SPOT\n#define IN_CUBE\n",
     };
     gp_status st = GP_OK;
-    char defines[64];
-    for (int holes = 0; holes < 2; holes++) {
-        snprintf(defines, sizeof defines, "#define COLOUR\n%s", solid[holes]);
-        GP_TRY(gp_program_make(d->log, d->gl, defines, "scene.vert",
-                               "solid.frag", &d->ambient[holes]));
-        GP_TRY(gp_program_make(d->log, d->gl, solid[holes], "scene.vert",
-                               "solid.frag", &d->shadow[0][holes]));
-        snprintf(defines, sizeof defines, "#define CUBE\n%s", solid[holes]);
-        GP_TRY(gp_program_make(d->log, d->gl, defines, "scene.vert",
-                               "solid.frag", &d->shadow[1][holes]));
-    }
-    for (int i = 0; i < 4; i++)
-        GP_TRY(gp_program_make(d->log, d->gl, lights[i], "scene.vert",
-                               "light.frag", &d->light[i]));
-out:
+    for (int i = 0; i < PROGRAMS && !st; i++)
+        st = gp_program_make(d->log, d->gl, defines[i], "scene.vert",
+                             i < LIGHT ? "solid.frag" : "light.frag",
+                             &d->program[i]);
     return st;
 }
 
@@ -314,14 +308,10 @@ void gp_drawing_close(struct gp_drawing **drawing)
     struct gp_drawing *const d = *drawing;
     if (!d)
         return;
-    for (int i = 0; i < 2; i++) {
-        gp_program_free(d->gl, &d->ambient[i]);
-        gp_program_free(d->gl, &d->shadow[0][i]);
-        gp_program_free(d->gl, &d->shadow[1][i]);
+    for (int i = 0; i < 2; i++)
         gp_target_free(d->gl, &d->maps[i]);
-    }
-    for (int i = 0; i < 4; i++)
-        gp_program_free(d->gl, &d->light[i]);
+    for (int i = 0; i < PROGRAMS; i++)
+        gp_program_free(d->gl, &d->program[i]);
     for (int i = 0; d->cutout && i < d->s->cutouts; i++)
         gp_texture_free(d->gl, &d->cutout[i]);
     gp_target_free(d->gl, &d->picture);
@@ -432,8 +422,10 @@ gp_status gp_drawing_ambient(struct gp_drawing *d, const int *object, int n)
             if (holes)
                 add_holes(d, of, &in);
             const struct gp_draw draw = {
-                .program = &d->ambient[holes], .target = &d->picture,
-                .cut = {0, 0, d->p.w, d->p.h}, .depth = GP_DEPTH_WRITE,
+                .program = &d->program[AMBIENT + holes],
+                .target = &d->picture,
+                .cut = {0, 0, d->p.w, d->p.h},
+                .depth = GP_DEPTH_WRITE,
             };
             GP_TRY(draw_run(d, d->submesh[k], &in, draw));
         }
@@ -466,8 +458,10 @@ static gp_status draw_shadow(struct gp_drawing *d, const struct map *map,
         add_holes(d, of, &in);
     const struct gp_target *const to = &d->maps[map->cube];
     const struct gp_draw draw = {
-        .program = &d->shadow[map->cube][of != NULL], .target = to,
-        .cut = {0, 0, to->w, to->h}, .depth = GP_DEPTH_WRITE,
+        .program = &d->program[SHADOW + 2 * map->cube + (of != NULL)],
+        .target = to,
+        .cut = {0, 0, to->w, to->h},
+        .depth = GP_DEPTH_WRITE,
         .instances = map->cube ? __builtin_popcount((unsigned) faces) : 1,
         .clips = map->cube ? 4 : 0,
     };
@@ -563,8 +557,10 @@ static gp_status draw_lit(struct gp_drawing *d, const struct gp_draw_light *l,
     const double scale = d->p.light_scale * of->intensity / M_PI;
     gp_status st = GP_OK;
     struct gp_draw draw = {
-        .program = &d->light[wide ? SPOT_IN_CUBE : (int) of->kind],
-        .target = &d->picture, .cut = l->cut, .depth = GP_DEPTH_SAME,
+        .program = &d->program[LIGHT + (wide ? SPOT_IN_CUBE : (int) of->kind)],
+        .target = &d->picture,
+        .cut = l->cut,
+        .depth = GP_DEPTH_SAME,
     };
     d->counts->passes++;
     for (int i = 0; i < l->lits; i++) {

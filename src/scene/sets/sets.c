@@ -293,24 +293,6 @@ static gp_status depths_make(const struct gp_log *log, struct gp_rect window,
     return GP_OK;
 }
 
-/* The tiles that pixels are in. */
-static struct gp_rect tiles_of(const struct depths *d, struct gp_rect r)
-{
-    const struct gp_rect w = d->window;
-    return (struct gp_rect) {
-        (r.x0 - w.x0) / TILE, (r.y0 - w.y0) / TILE,
-        (r.x1 - 1 - w.x0) / TILE + 1, (r.y1 - 1 - w.y0) / TILE + 1};
-}
-
-/* The pixels of a tile. */
-static struct gp_rect pixels_of(const struct depths *d, int x, int y)
-{
-    const struct gp_rect w = d->window;
-    return (struct gp_rect) {
-        w.x0 + x * TILE, w.y0 + y * TILE, w.x0 + (x + 1) * TILE,
-        w.y0 + (y + 1) * TILE};
-}
-
 /* True where bounds are behind the surfaces of all of their pixels, or have
  * none: no pixel's centre can show a part of what is in them. */
 static bool depths_hide(const struct depths *d, const struct gp_scissor *b)
@@ -350,13 +332,16 @@ static struct gp_scissor depths_cut(const struct depths *d,
         return (struct gp_scissor) {0};
     if (d->across == 0)
         return s;
-    const struct gp_rect all = tiles_of(d, s.rect);
-    for (int y = all.y0; y < all.y1; y++) {
-        for (int x = all.x0; x < all.x1; x++) {
+    const struct gp_rect w = d->window, r = s.rect;
+    for (int y = (r.y0 - w.y0) / TILE; w.y0 + y * TILE < r.y1; y++) {
+        for (int x = (r.x0 - w.x0) / TILE; w.x0 + x * TILE < r.x1; x++) {
             const struct tile *const t = &d->tile[y * d->across + x];
             if (!((double) t->least <= s.far && (double) t->deepest >= s.near))
                 continue;
-            const struct gp_rect own = gp_rect_meet(s.rect, pixels_of(d, x, y));
+            const struct gp_rect own = gp_rect_meet(
+                r, (struct gp_rect) {w.x0 + x * TILE, w.y0 + y * TILE,
+                                     w.x0 + (x + 1) * TILE,
+                                     w.y0 + (y + 1) * TILE});
             pixels = gp_rect_empty(pixels) ? own : gp_rect_join(pixels, own);
             least = gp_minf(t->least, least);
             most = gp_maxf(t->deepest, most);

@@ -69,8 +69,7 @@ struct gp_sets;
  *   scene  posed; borrowed until gp_sets_close()
  *   view   its depth is borrowed until this returns
  *   use    GP_SETS_*
- *   out    NULL on failure
- * Errors: GP_ERR_BUG memory is full. */
+ *   out    NULL on failure */
 GP_MUST_CHECK gp_status gp_sets_open(const struct gp_log *log,
                                      const struct gp_scene *scene,
                                      const struct gp_sets_view *view,

@@ -54,7 +54,7 @@ bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
  * a body is a closed convex polyhedron of at most 64 points, opaque. */
 struct gp_umbras;
 
-/* Errors: GP_ERR_BUG memory is full. Out: NULL; close it in any case. */
+/* Out: NULL; close it in any case. */
 GP_MUST_CHECK gp_status gp_umbras_open(const struct gp_log *log,
                                        const struct gp_scene *s,
                                        struct gp_umbras **out);

@@ -241,16 +241,6 @@ static void make_umbra(const struct body *body, const double to_world[16],
         out->planes = 0;
 }
 
-static bool holds(const struct umbra *u, struct gp_v3 c, struct gp_v3 e)
-{
-    for (int i = 0; i < u->planes; i++) {
-        const struct gp_half h = u->plane[i];
-        if (gp_half_at(h, c) + gp_half_reach(h, e) > -u->margin)
-            return false;
-    }
-    return u->planes > 0;
-}
-
 // -- of a light --------------------------------------------------------------
 
 /* Returns a measure of the angle that an object fills before a light, of one at
@@ -293,8 +283,14 @@ void gp_umbras_light(struct gp_umbras *u, const uint8_t *flag,
 
 bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e)
 {
-    for (int i = 0; i < u->n; i++) {
-        if (holds(&u->umbra[i], c, e))
+    for (int i = 0; i < u->n; i++) { // none has no planes
+        const struct umbra *const of = &u->umbra[i];
+        int k = 0;
+        while (k < of->planes &&
+               gp_half_at(of->plane[k], c) + gp_half_reach(of->plane[k], e) <=
+                   -of->margin)
+            k++;
+        if (k == of->planes)
             return true;
     }
     return false;
