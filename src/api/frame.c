@@ -87,20 +87,28 @@ static struct gp_planes *planes_of(struct glarepp_frame *f,
                                        : NULL;
 }
 
+/* Planes of a view that the caller sets, *n of them; NULL and 0: others. */
+static struct gp_plane *plane_of(struct glarepp_frame *f,
+                                 enum glarepp_view view, int *n)
+{
+    struct gp_plane *const of = view == GLAREPP_DEPTH         ? &f->depth
+                                : view == GLAREPP_COVERAGE    ? &f->mask
+                                : view == GLAREPP_NORMAL      ? f->normal
+                                : view == GLAREPP_ALBEDO      ? f->albedo
+                                : view == GLAREPP_SOURCE_MASK ? &f->source_mask
+                                                              : NULL;
+    *n = view == GLAREPP_NORMAL || view == GLAREPP_ALBEDO ? 3 : of != NULL;
+    return of;
+}
+
 void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
 {
-    if (views & 1u << GLAREPP_DEPTH)
-        gp_plane_free(&f->depth);
-    if (views & 1u << GLAREPP_COVERAGE)
-        gp_plane_free(&f->mask);
-    for (int c = 0; c < 3; c++) {
-        if (views & 1u << GLAREPP_NORMAL)
-            gp_plane_free(&f->normal[c]);
-        if (views & 1u << GLAREPP_ALBEDO)
-            gp_plane_free(&f->albedo[c]);
+    for (int v = 0; v < GLAREPP_VIEWS; v++) {
+        int n;
+        struct gp_plane *const plane = plane_of(f, (enum glarepp_view) v, &n);
+        for (int c = 0; c < n && views & 1u << v; c++)
+            gp_plane_free(&plane[c]);
     }
-    if (views & 1u << GLAREPP_SOURCE_MASK)
-        gp_plane_free(&f->source_mask);
     if (views & 1u << GLAREPP_CLEAN && f->borrowed)
         f->image.rgb = (struct gp_planes) {0};
     if (views & 1u << GLAREPP_SOURCES) {
@@ -221,14 +229,8 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
                       const struct glarepp_image *plane)
 {
     struct glarepp *const outer = gp_api_begin(f->plan->gp);
-    struct gp_plane *const to = view == GLAREPP_DEPTH         ? &f->depth
-                                : view == GLAREPP_COVERAGE    ? &f->mask
-                                : view == GLAREPP_NORMAL      ? f->normal
-                                : view == GLAREPP_ALBEDO      ? f->albedo
-                                : view == GLAREPP_SOURCE_MASK ? &f->source_mask
-                                                              : NULL;
-    const int planes =
-        view == GLAREPP_NORMAL || view == GLAREPP_ALBEDO ? 3 : 1;
+    int planes;
+    struct gp_plane *const to = plane_of(f, view, &planes);
     gp_status st = GP_OK;
     if (view == GLAREPP_GLARE) {
         GP_TRY(replace_layer(f, plane));

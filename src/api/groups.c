@@ -324,10 +324,10 @@ static gp_status keep_glare(struct glarepp_frame *f)
     for (int c = 0; c < 3; c++)
         memcpy(f->part[0].c[c], f->image.layer.c[c], n * sizeof(float));
     gp_planes_clear(&f->part[1], 0, n);
-    st = part_core(f, gp_api_light(f), gp_api_kernel(f), 1.0f);
-    for (int i = 0; f->more && i < f->plan->mores && !st; i++) {
-        if (f->more[i].kernel)
-            st = part_core(f, &f->more[i].sources, &f->more[i].kernel->k, 1.0f);
+    for (int i = 0; i < parts_of(f) && !st; i++) {
+        const struct part part = part_of(f, i);
+        if (part.kernel)
+            st = part_core(f, part.light, part.kernel, 1.0f);
     }
     return st;
 }

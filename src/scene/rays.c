@@ -328,26 +328,6 @@ out:
     return st;
 }
 
-/* Makes the trees of objects' meshes that are not yet there. */
-static gp_status make_meshes(const struct gp_log *log, const struct gp_scene *s,
-                             const int *object, int objects,
-                             struct gp_meshes *out)
-{
-    gp_status st = GP_OK;
-    if (!out->tree) {
-        GP_TRY(gp_alloc_zero(log, "meshes", (size_t) s->meshes + 1,
-                             sizeof *out->tree, &out->tree));
-        out->n = s->meshes;
-    }
-    for (int i = 0; i < objects; i++) {
-        const int mesh = s->object[object[i]].mesh;
-        if (!out->tree[mesh].made)
-            GP_TRY(make_mesh(log, s, &s->mesh[mesh], &out->tree[mesh]));
-    }
-out:
-    return st;
-}
-
 void gp_meshes_free(struct gp_meshes *m)
 {
     for (int i = 0; i < m->n; i++) {
@@ -408,15 +388,21 @@ gp_status gp_rays_make(const struct gp_log *log, const struct gp_scene *s,
     gp_status st;
     int n = 0;
     out->scene = s;
-    GP_TRY(make_meshes(log, s, object, objects, meshes));
+    if (!meshes->tree)
+        GP_TRY(gp_alloc_zero(log, "meshes", (size_t) s->meshes + 1,
+                             sizeof *meshes->tree, &meshes->tree));
+    meshes->n = s->meshes;
     out->mesh = meshes->tree;
     GP_TRY(gp_alloc(log, what, (size_t) objects, sizeof *out->place,
                     &out->place));
     GP_TRY(gp_alloc(log, what, (size_t) objects, sizeof *box, &box));
     for (int i = 0; i < objects; i++) {
         const struct gp_object *const o = &s->object[object[i]];
+        struct gp_mesh_tree *const mesh = &meshes->tree[o->mesh];
+        if (!mesh->made)
+            GP_TRY(make_mesh(log, s, &s->mesh[o->mesh], mesh));
         out->place[n].object = object[i];
-        if (out->mesh[o->mesh].tree.n > 0 && set_place(o, &out->place[n]))
+        if (mesh->tree.n > 0 && set_place(o, &out->place[n]))
             box[n++] = o->box;
     }
     st = make_tree(log, box, n, &out->tree);

@@ -12,8 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { MANY = GP_PLACES };
-
 /* A surface that a pixel shows, and the ray to it. */
 struct surface {
     struct gp_v3 normal; // unit, to the eye's side
@@ -39,7 +37,7 @@ struct relit {
     struct gp_colours colours;
     struct gp_shade *shade;  // every `step` pixels of the data
     int step, across;        // shades of a row
-    double place[MANY][2];   // of a pixel, from its middle
+    double place[GP_PLACES][2]; // of a pixel, from its middle
     struct gp_v3 eye;
     struct gp_v3 axis;       // of the view, unit
     struct gp_v3 way[3];     // to (0, 0), and a pixel further right and down
@@ -174,8 +172,8 @@ struct pixel {
     double share[2];
     bool edge;             // it may show others than its own
     bool looked, placed;   // find_places() was called; its result
-    struct surface at[MANY];
-    double weight[MANY];
+    struct surface at[GP_PLACES];
+    double weight[GP_PLACES];
 };
 
 /* Returns the share t of `a` in the mean of a pixel, a t + b (1 - t), nearest
@@ -340,8 +338,8 @@ static double clear_share(const struct lamp *lamp, const struct surface *s,
 {
     const struct relit *const w = lamp->of;
     double clear = 0.0;
-    facts->rays += MANY;
-    for (int i = 0; i < MANY; i++) {
+    facts->rays += GP_PLACES;
+    for (int i = 0; i < GP_PLACES; i++) {
         const struct gp_v3 way = way_to_place(w, x, y, i);
         double z = plane_at(w, s, way);
         // a surface that is seen along its plane is not followed there
@@ -349,25 +347,25 @@ static double clear_share(const struct lamp *lamp, const struct surface *s,
             z = s->z;
         if (is_free(lamp, gp_v3_add(w->eye, gp_v3_scale(way, z)), s->normal,
                     z))
-            clear += 1.0 / MANY;
+            clear += 1.0 / GP_PLACES;
     }
     return clear;
 }
 
 /* Scales the albedo of places so that their mix is the pixel's, as far as it
  * may be that of these surfaces. */
-static void scale_places(const double own[3], const double weight[MANY],
-                         struct surface of[MANY])
+static void scale_places(const double own[3], const double weight[GP_PLACES],
+                         struct surface of[GP_PLACES])
 {
     static const double MOST = 4.0;
     for (int c = 0; c < 3; c++) {
         double mix = 0.0;
-        for (int i = 0; i < MANY; i++)
+        for (int i = 0; i < GP_PLACES; i++)
             mix += of[i].z > 0.0 ? weight[i] * of[i].albedo[c] : 0.0;
         if (!(mix > 0.0))
             continue;
         const double scale = fmin(fmax(own[c] / mix, 1.0 / MOST), MOST);
-        for (int i = 0; i < MANY; i++)
+        for (int i = 0; i < GP_PLACES; i++)
             of[i].albedo[c] *= scale;
     }
 }
@@ -378,8 +376,8 @@ static bool find_places(const struct relit *w, struct pixel *p)
 {
     const struct gp_colours *const k = &w->colours;
     struct surface *const of = p->at;
-    double one[MANY][GP_MEANS], left = 0.0;
-    for (int i = 0; i < MANY; i++) {
+    double one[GP_PLACES][GP_MEANS], left = 0.0;
+    for (int i = 0; i < GP_PLACES; i++) {
         const struct gp_v3 way = way_to_place(w, p->x, p->y, i);
         struct gp_rays_hit hit;
         of[i].z = 0.0;
@@ -397,8 +395,8 @@ static bool find_places(const struct relit *w, struct pixel *p)
     }
     for (int j = 0; j < GP_MEANS; j++) {
         double mean = 0.0;
-        for (int i = 0; i < MANY; i++)
-            mean += 1.0 / MANY * one[i][j];
+        for (int i = 0; i < GP_PLACES; i++)
+            mean += 1.0 / GP_PLACES * one[i][j];
         left += (mean - p->mean[j]) * (mean - p->mean[j]);
     }
     if (left > 0.1)
@@ -454,12 +452,13 @@ out:
 }
 
 /* Adds the light of the surfaces at a pixel's places. */
-static void light_places(const struct lamp *lamp, const struct surface of[MANY],
-                         const double weight[MANY], double add[3],
+static void light_places(const struct lamp *lamp,
+                         const struct surface of[GP_PLACES],
+                         const double weight[GP_PLACES], double add[3],
                          struct glarepp_relit *facts)
 {
     const struct gp_relight_pass *const pass = lamp->pass;
-    for (int i = 0; i < MANY; i++) {
+    for (int i = 0; i < GP_PLACES; i++) {
         double light = of[i].z > 0.0 ? light_at(pass->light, &of[i]) : 0.0;
         if (!(light > 0.0) || !(weight[i] > 0.0))
             continue;

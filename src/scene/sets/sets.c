@@ -187,19 +187,11 @@ static bool range_meets(const struct light_range *r, const struct volume *v)
 
 // -- bounds on the screen -----------------------------------------------------
 
-/* Bounds of points before the division: x and y in units of the display window,
- * and w. */
-struct bounds {
-    double lo[3], hi[3];
-};
-
-static void widen(struct bounds *b, const double p[3])
+/* Returns bounds that hold a place before the division by z: x and y in units of the
+ * display window, z along the view axis. */
+static struct gp_box seen_with(struct gp_box b, struct gp_v3 p)
 {
-    const double at[3] = {p[0] / p[2], p[1] / p[2], p[2]};
-    for (int c = 0; c < 3; c++) {
-        b->lo[c] = gp_mind(at[c], b->lo[c]);
-        b->hi[c] = gp_maxd(at[c], b->hi[c]);
-    }
+    return gp_box_with(b, (struct gp_v3) {p.x / p.z, p.y / p.z, p.z});
 }
 
 /* Returns a whole number as an int, cut to what fits with room for a picture. */
@@ -216,35 +208,38 @@ static struct gp_scissor box_project(const struct gp_sets_view *v,
     const double *const m = v->camera.to_ndc;
     const struct gp_rect d = v->display;
     const double w = gp_rect_w(d), h = gp_rect_h(d);
-    struct bounds b = {{INFINITY, INFINITY, INFINITY},
-                       {-INFINITY, -INFINITY, -INFINITY}};
-    double at[8][3];
+    struct gp_box b = GP_BOX_EMPTY;
+    struct gp_v3 at[8];
     for (int i = 0; i < 8; i++) {
         const struct gp_v3 p = gp_box_corner(box, i);
+        double *const to[3] = {&at[i].x, &at[i].y, &at[i].z};
         for (int c = 0; c < 3; c++) { // z has no part in it
             const int k = c < 2 ? c : 3;
-            at[i][c] = p.x * m[k] + p.y * m[4 + k] + p.z * m[8 + k] + m[12 + k];
+            *to[c] = p.x * m[k] + p.y * m[4 + k] + p.z * m[8 + k] + m[12 + k];
         }
-        if (at[i][2] >= v->near)
-            widen(&b, at[i]);
+        if (at[i].z >= v->near)
+            b = seen_with(b, at[i]);
     }
     // where an edge meets the plane at `near`, from corner i to i with bit k
     for (int e = 0; e < 24; e++) {
         const int i = e % 8, k = 1 << e / 8;
-        const double *const p = at[i], *const q = at[i | k];
-        if (i & k || (p[2] < v->near) == (q[2] < v->near))
+        const struct gp_v3 p = at[i], q = at[i | k];
+        if (i & k || (p.z < v->near) == (q.z < v->near))
             continue;
-        const double t = (v->near - p[2]) / (q[2] - p[2]);
-        widen(&b, (const double[3]) {p[0] + t * (q[0] - p[0]),
-                                     p[1] + t * (q[1] - p[1]), v->near});
+        const double t = (v->near - p.z) / (q.z - p.z);
+        b = seen_with(b, (struct gp_v3) {p.x + t * (q.x - p.x),
+                                         p.y + t * (q.y - p.y), v->near});
     }
-    if (!(b.lo[2] <= b.hi[2]))
+    if (gp_box_empty(b))
         return (struct gp_scissor) {0};
     return (struct gp_scissor) {
-        gp_rect_meet(v->window, (struct gp_rect) {
-            whole(floor(d.x0 + b.lo[0] * w)), whole(floor(d.y0 + b.lo[1] * h)),
-            whole(ceil(d.x0 + b.hi[0] * w)), whole(ceil(d.y0 + b.hi[1] * h))}),
-        b.lo[2], b.hi[2],
+        gp_rect_meet(v->window,
+                     (struct gp_rect) {whole(floor(d.x0 + b.lo.x * w)),
+                                       whole(floor(d.y0 + b.lo.y * h)),
+                                       whole(ceil(d.x0 + b.hi.x * w)),
+                                       whole(ceil(d.y0 + b.hi.y * h))}),
+        b.lo.z,
+        b.hi.z,
     };
 }
 

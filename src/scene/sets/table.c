@@ -23,7 +23,7 @@ struct rows {
     struct gp_sets_view view;
     struct gp_box all;  // of F
     int *order;         // objects, those that look largest first
-    int *list, *caster; // room for all objects
+    int *list, *caster; // room for all objects; of the same block
     struct gp_rect *cut; // ... of their pixels
     float *depth;
     struct gp_table *out;
@@ -245,9 +245,9 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
         .camera = *c, .display = {0, 0, p->w, p->h},
         .window = {0, 0, p->w, p->h}, .near = p->near,
     };
-    GP_TRY(gp_alloc(log, "order of objects", objects, sizeof(int), &w.order));
-    GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.list));
-    GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.caster));
+    GP_TRY(gp_alloc(log, "objects", objects, 3 * sizeof(int), &w.order));
+    w.list = w.order + objects;
+    w.caster = w.list + objects;
     GP_TRY(gp_alloc(log, "objects", objects, sizeof *w.cut, &w.cut));
     GP_TRY(gp_alloc(log, "depth", pixels, sizeof *w.depth, &w.depth));
     GP_TRY(gp_alloc(log, "picture", pixels, 4 * sizeof *other, &other));
@@ -271,8 +271,6 @@ out:
     gp_free(other);
     gp_free(w.depth);
     gp_free(w.cut);
-    gp_free(w.caster);
-    gp_free(w.list);
     gp_free(w.order);
     return st;
 }
