@@ -15,17 +15,13 @@ enum {
 };
 static const double MOST_VALUE = 1e15;
 
-/* Numbers that 1 is stored as, normalised, from I8 on. */
-static const double unit_of[] = {127, 255, 32767, 65535, 1, 4294967295, 1};
-
-/* Returns the bytes of a number, 0 of an unknown type. */
-static int type_bytes(int type)
-{
-    return type == I8 || type == U8     ? 1
-           : type == I16 || type == U16 ? 2
-           : type == U32 || type == F32 ? 4
-                                        : 0;
-}
+/* Of each type from I8 on: bytes of a number, 0 of no type; and the number that 1 is
+ * stored as, normalised. */
+static const struct {
+    int bytes;
+    double unit;
+} types[] = {{1, 127}, {1, 255},        {2, 32767}, {2, 65535},
+             {0, 1},   {4, 4294967295}, {4, 1}};
 
 /* Checks that `count` elements of that many bytes are in a buffer view. */
 static gp_status check_numbers(const struct gp_gltf *g,
@@ -71,9 +67,9 @@ static gp_status check_sparse(const struct gp_gltf *g, json_t *o,
                             a->where.type);
     a->with.type = a->all.type;
     GP_TRY(check_numbers(g, at, where, false, a->sparse,
-                         type_bytes(a->where.type), &a->where));
+                         types[a->where.type - I8].bytes, &a->where));
     GP_TRY(check_numbers(g, at, with, false, a->sparse,
-                         a->components * type_bytes(a->with.type), &a->with));
+                         a->components * types[a->with.type - I8].bytes, &a->with));
     if (!a->sparse || !a->where.at || !a->with.at)
         return gp_gltf_fail(at, "\"sparse\" without count, indices or values");
 out:
@@ -83,7 +79,7 @@ out:
 gp_status gp_gltf_accessor(const struct gp_gltf *g, int index,
                            struct gp_gltf_accessor *out)
 {
-    static const char *const types[] = {
+    static const char *const shapes[] = {
         "SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4", NULL,
     };
     json_t *const o = gp_gltf_item(g, "accessors", index);
@@ -93,16 +89,16 @@ gp_status gp_gltf_accessor(const struct gp_gltf *g, int index,
     memset(out, 0, sizeof *out);
     out->place = gp_gltf_at(g, "accessor", index);
     GP_TRY(gp_json_int(at, o, "componentType", I8, F32, &out->all.type));
-    GP_TRY(gp_json_choice(at, o, "type", types, &type));
+    GP_TRY(gp_json_choice(at, o, "type", shapes, &type));
     GP_TRY(gp_json_int(at, o, "count", 1, INT_MAX / 16, &out->count));
-    if (!type_bytes(out->all.type) || type < 0 || type > 3 || !out->count)
+    if (!types[out->all.type - I8].bytes || type < 0 || type > 3 || !out->count)
         return gp_gltf_fail(at, "%s", out->count ? "a type that is not read "
                             "(numbers and vectors are)" : "no \"count\"");
     out->components = type + 1;
     const json_t *const normalized = json_object_get(o, "normalized");
     out->normalized = json_is_true(normalized) && out->all.type != F32;
     GP_TRY(check_numbers(g, at, o, true, out->count,
-                         out->components * type_bytes(out->all.type),
+                         out->components * types[out->all.type - I8].bytes,
                          &out->all));
     json_t *const sparse = json_object_get(o, "sparse");
     if (sparse)
@@ -118,7 +114,7 @@ static double stored_number(const uint8_t *p, int type)
         return (double) gp_float_with_bits(gp_le32(p));
     if (type == U32)
         return gp_le32(p);
-    const int bytes = type_bytes(type), v = bytes == 2 ? p[0] | p[1] << 8 : *p;
+    const int bytes = types[type - I8].bytes, v = bytes == 2 ? p[0] | p[1] << 8 : *p;
     const int sign = type == I8 || type == I16 ? 1 << (8 * bytes - 1) : 0;
     return (v ^ sign) - sign;
 }
@@ -144,9 +140,9 @@ static gp_status read_element(const struct gp_gltf_accessor *a, int k, int *at,
         if (!n->at)
             continue;
         out[c] = stored_number(n->at + i * (size_t) n->stride +
-                                   c * type_bytes(n->type), n->type);
+                                   c * types[n->type - I8].bytes, n->type);
         if (a->normalized)
-            out[c] = fmax(out[c] / unit_of[n->type - I8], -1.0);
+            out[c] = fmax(out[c] / types[n->type - I8].unit, -1.0);
     }
     return GP_OK;
 }

@@ -5,9 +5,11 @@
 #include "core/bytes.h"
 #include "core/memory.h"
 
+#include <ctype.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -147,15 +149,6 @@ static gp_status decode_uri(const struct gp_json_place *at, const char *uri,
     return GP_OK;
 }
 
-/* Returns the value of a hexadecimal digit, -1 of another character. */
-static int hex_value(char c)
-{
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
-}
-
 /* Finds the bytes of a data URI, or the path of the file beside the scene that
  * another means, whose percent codes are undone: one of *own and *file. */
 static gp_status resolve(const struct gp_gltf *g,
@@ -173,11 +166,12 @@ static gp_status resolve(const struct gp_gltf *g,
     memcpy(*file, g->path, folder);
     char *const name = *file + folder, *to = name;
     for (const char *from = uri; *from; from++) {
-        const int high = from[0] == '%' ? hex_value(from[1]) : -1;
-        const int low = high >= 0 ? hex_value(from[2]) : -1;
-        const bool coded = low >= 0 && 16 * high + low > 0;
-        *to++ = coded ? (char) (16 * high + low) : *from;
-        from += coded ? 2 : 0;
+        const bool coded = *from == '%' && isxdigit((unsigned char) from[1]) &&
+                           isxdigit((unsigned char) from[2]);
+        const char digits[] = {coded ? from[1] : '0', coded ? from[2] : '0', 0};
+        const long code = strtol(digits, NULL, 16); // 0 would end the name
+        *to++ = code ? (char) code : *from;
+        from += code ? 2 : 0;
     }
     *to = '\0';
     if (!*name || *name == '/' || strstr(name, "..") || strchr(uri, ':'))
