@@ -123,9 +123,8 @@ $(B)/gl/shaders.o $(B)/cli/page/text.o: $(B)/%.o: $(B)/%.c
 -include $(OBJ:.o=.d)
 
 # The library is all rooms that its header opens. What glarepp.h declares between
-# `#pragma GCC visibility push(default)` and pop is what the shared library shows:
-# src/api/symbols lists it. (The map hides what gcc shows of functions in copies for
-# several processors.)
+# `#pragma GCC visibility push(default)` and pop is what the shared library shows. (The
+# map hides what gcc shows of functions in copies for several processors.)
 $(B)/libglarepp.a: $(LIB_OBJ)
 	@rm -f $@
 	$(call say,AR,$@)$(AR) rcs $@ $^

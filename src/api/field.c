@@ -27,45 +27,6 @@ static int projection_of(const struct glarepp_frame *f)
                : GLAREPP_PERSPECTIVE;
 }
 
-/* Finds the frame's camera, whose place is not needed; false: it has none, or one that
- * is wrong, which is said where a light needs it. */
-static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
-{
-    const struct glarepp_plan *const plan = f->plan;
-    const enum gp_ndc ndc =
-        (enum gp_ndc)(plan->sun.ndc ? plan->sun.ndc : f->p.ndc);
-    struct glarepp_frame_params about = f->p;
-    bool found = false;
-    about.has_camera = false;
-    if (f->work->lights)
-        return !f->work->lights->suns.wide.kind &&
-               !gp_suns_camera(NULL, &f->work->lights->suns, &about, &f->image,
-                               out, &found) &&
-               found;
-    return f->p.has_ndc &&
-           !gp_camera_make(NULL, NULL, NULL, f->p.to_ndc, ndc, out);
-}
-
-double gp_api_camera_fov(const struct glarepp_frame *f)
-{
-    struct gp_camera c;
-    return f->plan->fov > 0.0   ? f->plan->fov
-           : find_camera(f, &c) ? gp_camera_fov(&c)
-           : f->work->lights    ? f->work->lights->suns.more_fov
-                                : 0.0;
-}
-
-/* Finds the projection of that camera; false: the angle of view is not a camera's. */
-static bool camera_projection(const struct glarepp_frame *f,
-                              struct gp_projection *out)
-{
-    struct gp_camera c;
-    if (f->plan->fov > 0.0 || !find_camera(f, &c))
-        return false;
-    *out = gp_camera_projection(&c, f->image.display);
-    return true;
-}
-
 static const enum gp_projecting KIND[] = {GP_PLANE, GP_PERSPECTIVE, GP_LATLONG,
                                           GP_FISHEYE, GP_EQUISOLID};
 
@@ -141,7 +102,7 @@ struct gp_field gp_api_field(struct glarepp_frame *f,
     if (kind != GLAREPP_PLANE) {
         const struct gp_rect *const data = &f->image.data;
         struct gp_projection p = gp_api_wide(f);
-        if (kind == GLAREPP_PERSPECTIVE && !camera_projection(f, &p))
+        if (kind == GLAREPP_PERSPECTIVE && !gp_api_camera(f, &p))
             p = gp_projection_of(KIND[kind], f->image.display, field.aspect,
                                  fov);
         field.degrees = fmin(p.dy * (180.0 / M_PI), 180.0); // in its middle

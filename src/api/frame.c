@@ -163,6 +163,45 @@ const struct glarepp_facts *glarepp_frame_facts(const struct glarepp_frame *f)
     return &f->facts;
 }
 
+// -- what steps look at -----------------------------------------------------
+
+/* Finds the frame's camera, whose place is not needed; false: it has none, or one that
+ * is wrong, which is said where a light needs it. */
+static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
+{
+    const struct glarepp_plan *const plan = f->plan;
+    const enum gp_ndc ndc =
+        (enum gp_ndc)(plan->sun.ndc ? plan->sun.ndc : f->p.ndc);
+    struct glarepp_frame_params about = f->p;
+    bool found = false;
+    about.has_camera = false;
+    if (f->work->lights)
+        return !f->work->lights->suns.wide.kind &&
+               !gp_suns_camera(NULL, &f->work->lights->suns, &about, &f->image,
+                               out, &found) &&
+               found;
+    return f->p.has_ndc &&
+           !gp_camera_make(NULL, NULL, NULL, f->p.to_ndc, ndc, out);
+}
+
+double gp_api_camera_fov(const struct glarepp_frame *f)
+{
+    struct gp_camera c;
+    return f->plan->fov > 0.0   ? f->plan->fov
+           : find_camera(f, &c) ? gp_camera_fov(&c)
+           : f->work->lights    ? f->work->lights->suns.more_fov
+                                : 0.0;
+}
+
+bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out)
+{
+    struct gp_camera c;
+    if (f->plan->fov > 0.0 || !find_camera(f, &c))
+        return false;
+    *out = gp_camera_projection(&c, f->image.display);
+    return true;
+}
+
 // -- views --------------------------------------------------------------------
 
 /* Makes floats of the sum in double, to look at. */

@@ -173,9 +173,7 @@ gp_status gp_api_lens(struct glarepp_frame *f)
                                                            : GP_LENS_COARSE;
     const bool apart = f->p.parts || f->plan->lens_params.gain != 1.0f;
     double sum[3], squares;
-    gp_status st = gp_api_has_axis(f);
-    if (!st)
-        st = gp_api_dark_layer(&f->log, &f->image);
+    gp_status st = gp_api_dark_layer(&f->log, &f->image);
     if (!st)
         st = apart ? draw_part(f, detail) : draw(f, detail, 1.0);
     if (st || !(facts->missing > 0.0))

@@ -326,8 +326,6 @@ gp_status gp_api_flare(struct glarepp_frame *f)
     struct gp_planes before = {0};
     gp_status st = GP_OK;
     suns->flare.frame = f->p.numbered ? f->p.number : 0;
-    if (suns->flare.n)
-        GP_TRY(gp_api_has_axis(f));
     if (seen)
         GP_TRY(gp_api_dark_layer(&f->log, &f->image));
     GP_TRY(gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image));

@@ -258,6 +258,9 @@ gp_api_taken(const struct glarepp_frame *f)
  * by none. */
 double gp_api_camera_fov(const struct glarepp_frame *f);
 
+/* Finds the projection of that camera; false: the angle of view is not a camera's. */
+bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);
+
 /* How a frame goes on beyond its border: a whole sphere, or a fisheye whose rim is in the
  * frame, does not, and one whose rim is in its mirror image is extended. */
 enum glarepp_edges gp_api_edges(const struct glarepp_frame *f);
@@ -286,7 +289,7 @@ void gp_api_warn_of_lights(struct glarepp_frame *f);
 gp_status gp_api_flare(struct glarepp_frame *f);
 gp_status gp_api_lens(struct glarepp_frame *f);
 
-// -- layers: groups.c ------------------------------------------------
+// -- parts of the layer: part.c ------------------------------------------------
 
 /* Takes the layer of an image away, to `before`, and gives it a dark one to draw a
  * part in. Errors: GP_ERR_BUG out of memory; the layer is as it was. */
@@ -305,12 +308,18 @@ void gp_api_part_close(struct glarepp_frame *f, struct gp_image *image,
                        double level, struct gp_planes *before,
                        struct gp_planes *kept);
 
+/* Moves what a kernel leaves in the pixels of sources, times `gain`, from the veil
+ * to the core. */
+GP_MUST_CHECK gp_status gp_api_part_core(struct glarepp_frame *f,
+                                         const struct gp_sources *s,
+                                         const struct gp_kernel *k, float gain);
+
 /* Makes a part that is looked at, where no step did: without flare and ghosts, or
  * dark. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_api_part_find(struct glarepp_frame *f,
                                          enum glarepp_view view);
 
-/* Finds the sources of groups, in place of the frame's own. */
+/* Groups, of groups.c. Finds their sources, in place of the frame's own. */
 GP_MUST_CHECK gp_status gp_api_sense_groups(struct glarepp_frame *f);
 
 /* Makes the frame's layer, by all of its kernels. */

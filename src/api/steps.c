@@ -384,6 +384,9 @@ int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
                            (double) step / GLAREPP_STEPS));
     if (!(1u << step & (BIT(TONE) | BIT(DONE) | BIT(VERIFY))))
         GP_TRY(lend(f));
+    if (step == GLAREPP_LENS ||
+        (step == GLAREPP_FLARE && f->work->lights->suns.flare.n > 0))
+        GP_TRY(gp_api_has_axis(f));
     GP_TRY(steps[step].run(f));
     // (a layer made anew has none of what was added to it)
     f->ran &= ((1u << step) - 1) |

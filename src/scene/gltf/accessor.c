@@ -69,7 +69,8 @@ static gp_status check_sparse(const struct gp_gltf *g, json_t *o,
     GP_TRY(check_numbers(g, at, where, false, a->sparse,
                          types[a->where.type - I8].bytes, &a->where));
     GP_TRY(check_numbers(g, at, with, false, a->sparse,
-                         a->components * types[a->with.type - I8].bytes, &a->with));
+                         a->components * types[a->with.type - I8].bytes,
+                         &a->with));
     if (!a->sparse || !a->where.at || !a->with.at)
         return gp_gltf_fail(at, "\"sparse\" without count, indices or values");
 out:
@@ -114,7 +115,8 @@ static double stored_number(const uint8_t *p, int type)
         return (double) gp_float_with_bits(gp_le32(p));
     if (type == U32)
         return gp_le32(p);
-    const int bytes = types[type - I8].bytes, v = bytes == 2 ? p[0] | p[1] << 8 : *p;
+    const int bytes = types[type - I8].bytes,
+              v = bytes == 2 ? p[0] | p[1] << 8 : *p;
     const int sign = type == I8 || type == I16 ? 1 << (8 * bytes - 1) : 0;
     return (v ^ sign) - sign;
 }
@@ -140,7 +142,8 @@ static gp_status read_element(const struct gp_gltf_accessor *a, int k, int *at,
         if (!n->at)
             continue;
         out[c] = stored_number(n->at + i * (size_t) n->stride +
-                                   c * types[n->type - I8].bytes, n->type);
+                                   c * types[n->type - I8].bytes,
+                               n->type);
         if (a->normalized)
             out[c] = fmax(out[c] / types[n->type - I8].unit, -1.0);
     }
