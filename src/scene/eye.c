@@ -63,18 +63,29 @@ static bool meets_sphere(const struct gp_eye_disc *d, const struct gp_object *o)
 
 // -- directions ---------------------------------------------------------------
 
-/* A disc, the axes across it, and how its directions are weighed. */
-struct measure {
+/* A sample's bits. */
+enum { SHOWN = 1, INSIDE = 2 };
+
+struct row_sums {
+    double outside, clear, all; // weights
+};
+
+/* A disc, the axes across it, how its directions are weighed, and rays to it. */
+struct samples {
     const struct gp_eye_disc *disc;
     const struct gp_eye_window *window; // NULL: none
     struct gp_v3 across, up;            // unit, upright to disc->to
     bool cut;                           // the window has a part of the disc
                                         // and lacks one
     bool plane;                         // weigh by area in the picture
+    struct gp_rays rays;                // through E
+    int side;
+    uint8_t bits[LAST * LAST];
+    struct row_sums row[LAST];
 };
 
 /* Returns true when the window shows a unit direction. */
-static bool inside(const struct measure *m, struct gp_v3 along)
+static bool inside(const struct samples *m, struct gp_v3 along)
 {
     const struct gp_eye_window *const w = m->window;
     const double world[3] = {along.x, along.y, along.z};
@@ -86,36 +97,38 @@ static bool inside(const struct measure *m, struct gp_v3 along)
            p.y >= w->known.y0 && p.y < w->known.y1;
 }
 
-static double along_view(const struct measure *m, struct gp_v3 along)
+static double along_view(const struct samples *m, struct gp_v3 along)
 {
     const double *const c = m->window->camera->to_ndc;
     return gp_v3_dot(along, (struct gp_v3) {c[3], c[7], c[11]});
 }
 
-static struct measure measure_of(const struct gp_eye_disc *d,
-                                 const struct gp_eye_window *window)
+/* Sets the disc of samples that are zero. */
+static void set_disc(struct samples *m, const struct gp_eye_disc *d,
+                     const struct gp_eye_window *window)
 {
     enum { AROUND = 256 }; // directions on the edge that are looked at
     const struct gp_v3 other = fabs(d->to.z) < 0.9
                                    ? (struct gp_v3) {0.0, 0.0, 1.0}
                                    : (struct gp_v3) {1.0, 0.0, 0.0};
-    struct measure m = {.disc = d, .window = window};
-    m.across = gp_v3_unit(gp_v3_cross(d->to, other));
-    m.up = gp_v3_cross(m.across, d->to);
-    const bool middle = inside(&m, d->to);
+    m->disc = d;
+    m->window = window;
+    m->across = gp_v3_unit(gp_v3_cross(d->to, other));
+    m->up = gp_v3_cross(m->across, d->to);
+    const bool middle = inside(m, d->to);
     for (int i = 0; window && i < AROUND; i++) {
         const double turn = 2.0 * M_PI * i / AROUND;
-        const struct gp_v3 side = gp_v3_add(gp_v3_scale(m.across, gp_cos(turn)),
-                                            gp_v3_scale(m.up, gp_sin(turn)));
+        const struct gp_v3 side =
+            gp_v3_add(gp_v3_scale(m->across, gp_cos(turn)),
+                      gp_v3_scale(m->up, gp_sin(turn)));
         const struct gp_v3 edge = gp_v3_add(gp_v3_scale(d->to, gp_cos(d->half)),
                                             gp_v3_scale(side, gp_sin(d->half)));
-        m.cut = m.cut || inside(&m, edge) != middle;
+        m->cut = m->cut || inside(m, edge) != middle;
     }
     // all of the disc is before the camera
-    m.plane =
-        m.cut && along_view(&m, d->to) > 0.0 &&
-        gp_acos(fmin(along_view(&m, d->to), 1.0)) + d->half < 0.999 * M_PI / 2;
-    return m;
+    m->plane =
+        m->cut && along_view(m, d->to) > 0.0 &&
+        gp_acos(fmin(along_view(m, d->to), 1.0)) + d->half < 0.999 * M_PI / 2;
 }
 
 // -- rays ---------------------------------------------------------------------
@@ -134,8 +147,7 @@ static double jitter(uint32_t i)
 /* Returns the direction of (a, b) in [-1, 1]^2, unit: the concentric map
  * (Shirley and Chiu 1997) to a disc, whose area is that on the sphere when the
  * square of its radius is 1 - cos(angle). */
-static struct gp_v3 direction(const struct measure *f, double a,
-                              double b)
+static struct gp_v3 direction(const struct samples *f, double a, double b)
 {
     const double half = gp_sin(0.5 * f->disc->half);
     double radius = a, turn = 0.0;
@@ -168,27 +180,12 @@ static double way_to(const struct gp_eye_disc *d, struct gp_v3 along)
 
 // -- samples -----------------------------------------------------------------
 
-/* A sample's bits. */
-enum { SHOWN = 1, INSIDE = 2 };
-
-struct row_sums {
-    double outside, clear, all; // weights
-};
-
-struct samples {
-    struct measure measure;
-    struct gp_rays rays; // through E
-    int side;
-    uint8_t bits[LAST * LAST];
-    struct row_sums row[LAST];
-};
-
 static struct gp_v3 sample_at(const struct samples *s, int x, int y)
 {
     const uint32_t i = (uint32_t) (y * LAST + x) * 2u;
     const double a = ((double) x + jitter(i)) / s->side;
     const double b = ((double) y + jitter(i + 1u)) / s->side;
-    return direction(&s->measure, 2.0 * a - 1.0, 2.0 * b - 1.0);
+    return direction(s, 2.0 * a - 1.0, 2.0 * b - 1.0);
 }
 
 static void cast_row(void *ctx, int y, int thread)
@@ -199,12 +196,11 @@ static void cast_row(void *ctx, int y, int thread)
     for (int x = 0; x < s->side; x++) {
         const struct gp_v3 along = sample_at(s, x, y);
         // area in the picture of a solid angle there, but for a factor
-        const double view =
-            s->measure.plane ? along_view(&s->measure, along) : 1.0;
+        const double view = s->plane ? along_view(s, along) : 1.0;
         const double weight = 1.0 / (view * view * view);
         uint8_t *const bits = &s->bits[y * s->side + x];
-        *bits = inside(&s->measure, along) ? INSIDE : SHOWN;
-        const struct gp_eye_disc *const d = s->measure.disc;
+        *bits = inside(s, along) ? INSIDE : SHOWN;
+        const struct gp_eye_disc *const d = s->disc;
         if ((*bits & SHOWN) &&
             gp_rays_stopped(&s->rays, d->eye, along, way_to(d, along)))
             *bits = 0;
@@ -264,8 +260,8 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_alloc_zero(log, "rays to a light", 1, sizeof *level, &level));
     GP_TRY(gp_alloc(log, "objects before a light", (size_t) s->objects + 1,
                     sizeof *object, &object));
-    level->measure = measure_of(d, window);
-    const bool whole = !level->measure.cut && inside(&level->measure, d->to);
+    set_disc(level, d, window);
+    const bool whole = !level->cut && inside(level, d->to);
     share.outside = whole ? 0.0 : 1.0;
     for (int i = 0; i < s->objects && !whole; i++) {
         object[objects] = i;
@@ -273,7 +269,7 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
     }
     GP_TRY(gp_rays_make(log, s, meshes, object, objects, &level->rays));
     // without a triangle nothing is before it
-    const bool any = level->measure.cut || level->rays.tree.n > 0;
+    const bool any = level->cut || level->rays.tree.n > 0;
     for (int n = 0; any && n < levels && (n == 0 || share.error > GOOD); n++) {
         level->side = levels > 1 ? FIRST << n : 1;
         cast(level, &share);
