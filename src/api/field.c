@@ -285,8 +285,8 @@ static struct gp_kernel_use use_of(const struct glarepp_frame *f,
                                    const struct gp_made_kernel *made,
                                    int *worst)
 {
-    const struct gp_field *const field = &made->field;
-    const double scale = r->recipes ? 1.0 : gp_kernel_request_scale(r, field);
+    const double scale =
+        r->recipes ? 1.0 : gp_kernel_request_scale(r, &made->field);
     struct gp_kernel_use use = {0};
     double shares = 0.0, missed = 0.0, most = 0.0;
     *worst = 0;
@@ -305,8 +305,7 @@ static struct gp_kernel_use use_of(const struct glarepp_frame *f,
     if (!r->recipes) {
         use.as_it_is = use.as_it_is && r->params.normalize == GP_NORMALIZE_NONE;
         use.centred = r->params.centered;
-        use.resampled =
-            made->k.unturned || field->aspect != 1.0 || scale != 1.0;
+        use.resampled = made->k.resampled;
     }
     use.add = f->plan->compose.mix == GLAREPP_ADD;
     use.brightest =

@@ -285,7 +285,7 @@ int glarepp_kernel_check(struct glarepp *gp, const struct glarepp_image *kernel,
                         how->w ? how->w : label.present ? label.w : INT_MAX,
                         how->h ? how->h : label.present ? label.h : INT_MAX,
                         &use);
-    use.resampled = k.unturned || scale != 1.0;
+    use.resampled = k.resampled;
     f.measured = !f.nonfinite; // of no light the sums are 0
     if (!f.nonfinite && lit) {
         gp_kernel_measure(&k, image.luminance, &f);

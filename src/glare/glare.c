@@ -38,11 +38,9 @@ static gp_status halve_kernel(const struct gp_log *log,
     const size_t n = (size_t) k->w * (size_t) k->h;
     *out = *k;
     out->k = (struct gp_planes) {0};
-    out->unturned = NULL;
     out->far = NULL;
     out->sky = NULL; // the caller has it
     out->origin = NULL;
-    out->lit = NULL;
     out->serial = 0;
     gp_status st = gp_planes_make(log, "kernel", n, &out->k);
     for (int c = 0; !st && c < 3; c++) {

@@ -8,7 +8,6 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/kernel_rows.h"
 #include "glare/far_field/far_field.h"
 #include "glare/sky/sky.h"
 
@@ -145,47 +144,68 @@ static gp_status find_factor(const struct gp_log *log,
 
 // -- cut and scaled -----------------------------------------------------------
 
+/* Sums of a row of one channel, in order. */
+struct cut_row {
+    double sum, square, magnitude;
+    double faint;  // magnitudes that became 0: each was under FLT_MIN
+    bool negative; // a sample is under 0
+};
+
 struct cutting {
     const struct raw_kernel *raw;
     struct gp_rect box;
     double factor;
     struct gp_kernel *k;
-    struct gp_cut_row (*row)[3];
+    struct cut_row (*row)[3];
 };
 
-/* Scales a row, in place where the planes are the raw kernel's own. */
+/* Scales w samples to `out`, which may be `in`. */
+static struct cut_row scale_row(const float *in, int w, double factor,
+                                float *out)
+{
+    struct cut_row r = {0};
+    for (int x = 0; x < w; x++) {
+        float scaled = (float) ((double) in[x] * factor);
+        const double size = fabs((double) scaled);
+        if (size < (double) FLT_MIN) {
+            r.faint += size;
+            scaled = 0.0f;
+        }
+        out[x] = scaled;
+        if (scaled == 0.0f)
+            continue;
+        r.sum += (double) scaled;
+        r.square += (double) scaled * (double) scaled;
+        r.magnitude += size;
+        r.negative |= scaled < 0.0f;
+    }
+    return r;
+}
+
 static void cut_row(void *ctx, int y, int thread)
 {
     const struct cutting *const m = ctx;
     const size_t from = (size_t) (m->box.y0 + y) * (size_t) m->raw->w +
                         (size_t) m->box.x0;
     (void) thread;
-    for (int c = 0; c < 3; c++) {
-        m->row[y][c] = gp_row_cut(m->raw->in.c[c] + from, m->k->w, m->k->cx,
-                                  m->factor, m->k->k.c[c] +
-                                      (size_t) y * (size_t) m->k->w);
-        m->k->lit[(size_t) c * (size_t) m->k->h + (size_t) y] =
-            m->row[y][c].lit;
-    }
+    for (int c = 0; c < 3; c++)
+        m->row[y][c] = scale_row(m->raw->in.c[c] + from, m->k->w, m->factor,
+                                 m->k->k.c[c] + (size_t) y * (size_t) m->k->w);
 }
 
 /* Adds up the sums of the rows of channel c. */
 static void add_rows(const struct cutting *m, int c, struct gp_kernel *k)
 {
-    struct gp_quarter_sums q = {0};
     double square = 0.0;
     for (int y = 0; y < k->h; y++) {
-        const struct gp_cut_row *const r = &m->row[y][c];
+        const struct cut_row *const r = &m->row[y][c];
         k->sum[c] += r->sum;
         square += r->square;
         k->norm1[c] += r->magnitude;
         k->faint[c] += r->faint;
         k->negative |= r->negative;
-        gp_quarter_add(&q, r->side, y <= k->cy, y >= k->cy);
     }
     k->norm2[c] = sqrt(square);
-    k->quarter_square[c] = gp_quarter_least(q.square);
-    k->quarter_sum[c] = gp_quarter_least(q.sum);
 }
 
 /* Takes raw->in when it is owned, also on failure. */
@@ -213,12 +233,9 @@ static gp_status make_kernel(const struct gp_log *log,
         GP_TRY(gp_planes_make(log, raw->name, (size_t) k.w * (size_t) k.h,
                               &k.k));
     }
-    GP_TRY(gp_alloc(log, raw->name, 3 * (size_t) k.h, sizeof *k.lit, &k.lit));
     gp_parallel_do(k.h, cut_row, &m);
     for (int c = 0; c < 3; c++)
         add_rows(&m, c, &k);
-    for (int c = 0; c < 3 && k.negative; c++)
-        k.quarter_square[c] = k.quarter_sum[c] = 0.0;
     *out = k;
     k = (struct gp_kernel) {0};
 out:
@@ -231,9 +248,19 @@ out:
 
 // -- rotation -----------------------------------------------------------------
 
+/* A kernel, and the angle that it is rotated by to another:
+ *   to(dx, dy) = bilinear(from, (cos * dx - sin * dy, sin * dx + cos * dy))
+ * for whole offsets dx, dy from the centre, with zero outside. */
+struct rotating {
+    int w, h, cx, cy;
+    struct gp_planes k;
+    double cos, sin;
+    const struct raw_kernel *to;
+};
+
 /* Sets u->cos and u->sin. True for a whole number of right angles, for which
  * they are exact. */
-static bool set_angle(float degrees, struct gp_unturned *u)
+static bool set_angle(float degrees, struct rotating *u)
 {
     static const double exact[] = {1.0, 0.0, -1.0, 0.0};
     const double turns = fmod((double) degrees, 360.0) / 90.0; // exact
@@ -249,25 +276,20 @@ static bool set_angle(float degrees, struct gp_unturned *u)
     return false;
 }
 
-static double tap(const struct gp_unturned *u, int c, int x, int y)
+static double tap(const struct rotating *u, int c, int x, int y)
 {
     return x >= 0 && x < u->w && y >= 0 && y < u->h
                ? (double) u->k.c[c][(size_t) y * (size_t) u->w + (size_t) x]
                : 0.0;
 }
 
-struct rotating {
-    const struct gp_unturned *u;
-    const struct raw_kernel *to;
-};
-
 static void rotate_row(void *ctx, int row, int thread)
 {
-    const struct rotating *const t = ctx;
-    const struct gp_unturned *const u = t->u;
+    const struct rotating *const u = ctx;
+    const struct raw_kernel *const to = u->to;
     (void) thread;
-    for (int i = 0; i < t->to->w; i++) {
-        const int dx = i - t->to->cx, dy = row - t->to->cy;
+    for (int i = 0; i < to->w; i++) {
+        const int dx = i - to->cx, dy = row - to->cy;
         const double x = u->cx + (u->cos * dx - u->sin * dy);
         const double y = u->cy + (u->sin * dx + u->cos * dy);
         const int x0 = (int) floor(x), y0 = (int) floor(y);
@@ -277,7 +299,7 @@ static void rotate_row(void *ctx, int row, int thread)
                                fx * tap(u, c, x0 + 1, y0);
             const double bottom = (1.0 - fx) * tap(u, c, x0, y0 + 1) +
                                   fx * tap(u, c, x0 + 1, y0 + 1);
-            t->to->in.c[c][(size_t) row * (size_t) t->to->w + (size_t) i] =
+            to->in.c[c][(size_t) row * (size_t) to->w + (size_t) i] =
                 (float) ((1.0 - fy) * top + fy * bottom);
         }
     }
@@ -285,7 +307,7 @@ static void rotate_row(void *ctx, int row, int thread)
 
 /* Makes the rotated kernel: every whole offset at which it can be other than 0.
  * By right angles the samples only move. out->name and luminance stay. */
-static gp_status rotate(const struct gp_log *log, const struct gp_unturned *u,
+static gp_status rotate(const struct gp_log *log, struct rotating *u,
                         struct raw_kernel *out)
 {
     // whole offsets within the rotated corners of what bilinear sampling
@@ -313,8 +335,9 @@ static gp_status rotate(const struct gp_log *log, const struct gp_unturned *u,
     out->cy = -(int) box[1];
     gp_status st = gp_planes_make(log, out->name,
                                   (size_t) out->w * (size_t) out->h, &out->in);
+    u->to = out;
     if (!st)
-        gp_parallel_do(out->h, rotate_row, &(struct rotating) {u, out});
+        gp_parallel_do(out->h, rotate_row, u);
     return st;
 }
 
@@ -505,49 +528,40 @@ static gp_status make_rotated(const struct gp_log *log,
     struct gp_kernel flat = {0};
     struct raw_kernel t = {.name = raw->name, .owned = true,
                            .luminance = raw->luminance};
-    struct gp_unturned u, *kept = NULL;
+    struct rotating u;
+    enum gp_normalize normalize = p->normalize;
     const bool right = set_angle(p->rotate, &u);
     const double down = p->scale > 0.0 ? p->scale : 1.0;
     const double across = p->aspect > 0.0 ? down / p->aspect : down;
     const bool sized = down != 1.0 || across != 1.0;
     if (right && u.cos == 1.0 && !sized)
-        return make_kernel(log, p->normalize, raw, out);
+        return make_kernel(log, normalize, raw, out);
     GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, raw, &flat));
     u.w = flat.w, u.h = flat.h, u.cx = flat.cx, u.cy = flat.cy, u.k = flat.k;
     GP_TRY(rotate(log, &u, &t));
-    if (sized)
+    if (sized) {
         GP_TRY(resample(log, across, down, &t));
-    if (right || sized) {
-        st = make_kernel(log, p->normalize, &t, out);
-        goto out;
-    }
-    GP_TRY(gp_alloc(log, raw->name, 1, sizeof u, &kept));
-    if (p->normalize == GP_NORMALIZE_LUMINANCE) {
-        // u is scaled so that its rotated form is normalised: both stay samples
-        // of the same float values
+    } else if (!right && normalize == GP_NORMALIZE_LUMINANCE) {
+        // scaled before, so that what is rotated is normalised
         struct row_sums all;
         struct gp_rect box;
         double factor;
         GP_TRY(sum_raw(log, &t, &all, &box));
-        GP_TRY(find_factor(log, &t, GP_NORMALIZE_LUMINANCE, &all, &factor));
+        GP_TRY(find_factor(log, &t, normalize, &all, &factor));
         const size_t n = (size_t) u.w * (size_t) u.h;
-        for (int c = 0; c < 3; c++) {
-            for (size_t i = 0; i < n; i++)
-                u.k.c[c][i] = (float) ((double) u.k.c[c][i] * factor);
-        }
+        for (size_t i = 0; i < 3 * n; i++)
+            u.k.c[i / n][i % n] =
+                (float) ((double) u.k.c[i / n][i % n] * factor);
         gp_planes_free(&t.in);
         GP_TRY(rotate(log, &u, &t));
+        normalize = GP_NORMALIZE_NONE;
     }
-    GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, &t, out));
-    *kept = u;
-    out->unturned = kept;
-    kept = NULL;
-    flat.k = (struct gp_planes) {0}; // they are the kernel's
+    GP_TRY(make_kernel(log, normalize, &t, out));
+    out->resampled = sized || !right;
 out:
     if (t.owned)
         gp_planes_free(&t.in);
     gp_kernel_free(&flat);
-    gp_free(kept);
     return st;
 }
 
@@ -683,12 +697,8 @@ gp_status gp_kernel_of_planes(const struct gp_log *log, const char *name,
 void gp_kernel_free(struct gp_kernel *k)
 {
     gp_free(k->origin);
-    if (k->unturned)
-        gp_planes_free(&k->unturned->k);
-    gp_free(k->unturned);
     gp_far_free(k->far);
     gp_sky_free(&k->sky);
-    gp_free(k->lit);
     gp_planes_free(&k->k);
     *k = (struct gp_kernel) {0};
 }

@@ -29,26 +29,9 @@ struct gp_kernel_params {
                                    // them; borrowed; NULL: the image's
 };
 
-/* The kernel before --rotate, scaled by the same factor, so that
- *   kernel(dx, dy) = bilinear(unturned, (cos * dx - sin * dy,
- *                                        sin * dx + cos * dy))
- * for whole offsets dx, dy from the centre, with zero outside. */
-struct gp_unturned {
-    int w, h;
-    int cx, cy;           // the centre's pixel; may lie outside
-    struct gp_planes k;   // w * h each
-    double cos, sin;      // of the angle
-};
-
 struct gp_far_field; // glare/far_field/far_field.h
 struct gp_sky;       // glare/sky/sky.h
 struct gp_source;    // glare/sources.h
-
-/* The samples of a row of one channel that are not 0. */
-struct gp_lit_row {
-    int from, to; // half-open: all are in it; empty where there is none
-    int dark;     // samples in it that are 0
-};
 
 /* A normalised kernel. Sample (x, y) of `k` is the share of a source's light
  * that falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q).
@@ -70,17 +53,9 @@ struct gp_kernel {
     double faint[3];      // sum of magnitudes that became 0, by channel
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0
-    struct gp_lit_row *lit; // of row y of channel c: lit[c * h + y]; owned.
-                          // NULL: samples or centre changed since the making,
-                          // and `quarter_...` hold no longer
-    // The centre's row and column divide `k` into four quarters, and belong to
-    // all four. These are the smallest of the four; 0 of a negative kernel:
-    double quarter_square[3]; // sum of squares, by channel
-    double quarter_sum[3];    // sum of samples, by channel
     unsigned long serial; // by gp_serial_next(): two kernels with the same one
                           // are the same; 0: made by hand, nothing is known
-    struct gp_unturned *unturned; // NULL when the kernel was not rotated, or
-                          // by right angles, which need no sampling; owned
+    bool resampled;       // by an angle that is not right, or to another size
     double left_out;      // of a model: 1 less the luminance of `sum`, which is
                           // light that falls outside of frames; else 0
     struct gp_kernel_origin *origin; // recipes and field of a model's kernel

@@ -44,7 +44,6 @@ SHORT, LONG = 80, 700
 SIZES = {  # path below src: reason
     "core/image.c": "planes; what a picture is stands in its header",
     "glare/fft/double.c": "the transform and its passes once more, in double",
-    "glare/kernel_rows.c": "sums that the kernel and fft take in one order",
     "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",
 }
 # Rooms that measure, whose figures may differ between processors: the others make

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The torus: places on it, and what transforms of it leave. */
+#include "core/luminance.h"
 #include "core/maths.h"
 #include "core/minmax.h"
 #include "glare/fft/fft.h"
-#include "glare/kernel_rows.h"
 
 #include <limits.h>
 
@@ -44,6 +44,26 @@ struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
     return p;
 }
 
+/* Adds squares and samples of w samples to those of the quarters left and right of
+ * the centre, cx, as far as `reach`. */
+static void add_sides(const float *row, int w, int cx, int reach,
+                      double square[2], double sum[2])
+{
+    for (int i = 0; i < 2; i++) {
+        const int from = gp_max(i ? cx : cx - reach, 0);
+        const int last = gp_min(i ? cx + reach : cx, w - 1);
+        double side[2] = {0};
+        gp_samples_add(row + from, last + 1 - from, &side[0], &side[1]);
+        square[i] += side[0];
+        sum[i] += side[1];
+    }
+}
+
+static double least_of(double v[2][2])
+{
+    return fmin(fmin(v[0][0], v[0][1]), fmin(v[1][0], v[1][1]));
+}
+
 void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
                           struct gp_fft_quarters *out)
 {
@@ -52,29 +72,17 @@ void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
     const int reach_x = k->w - 1 <= w ? INT_MAX / 2 : w / 2;
     const int reach_y = k->h - 1 <= h ? INT_MAX / 2 : h / 2;
     *out = (struct gp_fft_quarters) {0};
-    if (k->lit && reach_x > w && reach_y > h) {
-        for (int c = 0; c < 3; c++) {
-            out->square[c] = k->quarter_square[c];
-            out->sum[c] = k->quarter_sum[c];
-        }
-        return;
-    }
     for (int c = 0; c < 3 && !k->negative; c++) {
-        if (c > 0 && k->grey) {
-            out->square[c] = out->square[0];
-            out->sum[c] = out->sum[0];
-            continue;
-        }
-        struct gp_quarter_sums q = {0};
+        double square[2][2] = {{0}}, sum[2][2] = {{0}}; // above, below
         for (int y = 0; y < k->h; y++) {
-            double side[4];
-            gp_row_sides(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx,
-                         reach_x, side);
-            gp_quarter_add(&q, side, y <= k->cy && y >= k->cy - reach_y,
-                           y >= k->cy && y <= k->cy + reach_y);
+            const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+            if (y <= k->cy && y >= k->cy - reach_y)
+                add_sides(row, k->w, k->cx, reach_x, square[0], sum[0]);
+            if (y >= k->cy && y <= k->cy + reach_y)
+                add_sides(row, k->w, k->cx, reach_x, square[1], sum[1]);
         }
-        out->square[c] = gp_quarter_least(q.square);
-        out->sum[c] = gp_quarter_least(q.sum);
+        out->square[c] = least_of(square);
+        out->sum[c] = least_of(sum);
     }
 }
 

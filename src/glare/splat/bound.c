@@ -164,9 +164,7 @@ static gp_status find_grouping(const struct gp_log *log,
     struct gp_planes layer = {0};
     const size_t w = (size_t) r->w + 2 * (size_t) r->pad;
     k.k = drawn->k;
-    k.unturned = NULL;
     k.far = NULL;
-    k.lit = NULL;
     k.serial = 0; // no engine keeps what it makes of it
     k.negative = true; // as its light is: nothing is made black
     GP_TRY(spread(log, r, src, &k, &layer));
