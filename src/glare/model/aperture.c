@@ -525,7 +525,7 @@ static double noise(double t, uint64_t seed)
     double sum = 0.0;
     for (int i = 0; i < 3; i++) {
         const double at = fabs(t) * (1 << i), whole = floor(at);
-        const double x = at - whole, s = x * x * (3.0 - 2.0 * x);
+        const double s = gp_smoothstep(at - whole);
         const uint64_t key = 3 * (uint64_t) whole + (uint64_t) i;
         const double a = gp_model_random(seed, key);
         const double b = gp_model_random(seed, key + 3);

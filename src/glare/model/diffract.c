@@ -70,7 +70,7 @@ static void finish_columns(void *ctx, int block, int thread)
     const double *const out = gp_double_transform(t, z, z + room);
     double *const to =
         (double *) f->m.z[0] + (size_t) block * f->m.pitch * POINT;
-    for (int y = f->first; y <= f->out->ry; y++) {
+    for (int y = f->first; y <= f->out->cy; y++) {
         const double *const row = out + (size_t) (y < 0 ? y + n : y) * POINT;
         double *const at = to + (size_t) (y - f->first) * POINT;
         memcpy(at, row + LINES, LINES * sizeof *at);
@@ -78,19 +78,12 @@ static void finish_columns(void *ctx, int block, int thread)
     }
 }
 
-/* Fades samples out over the last quarter of t degrees: no rim. */
-static double fade(double t, double end)
-{
-    const double z = fmin(fmax(4.0 * (end - t) / end, 0.0), 1.0);
-    return z * z * (3.0 - 2.0 * z);
-}
-
 /* A row of samples, and without a path the one across the centre. */
 static void store_samples(const void *ctx, int c, int j, int thread,
                           const float *z)
 {
     const struct finishing *const f = ctx;
-    const int n = f->t[0].n, rx = f->out->rx, ry = f->out->ry;
+    const int n = f->t[0].n, rx = f->out->cx, ry = f->out->cy;
     const double all = (double) n * f->t[1].n;
     const int y = j + f->first;
     const double across = gp_sinc((double) y / f->t[1].n);
@@ -102,8 +95,10 @@ static void store_samples(const void *ctx, int c, int j, int thread,
     for (int x = f->first == 0 && y == 0 ? 0 : -rx; x <= rx; x++) {
         const double at = gp_hypot(f->pixel[0] * x, f->pixel[1] * y);
         const double window = across * gp_sinc((double) x / n);
-        const double v = (double) z[x < 0 ? x + n : x] * fade(at, f->fades) /
-                         (all * window * window);
+        // no rim: the last quarter fades out
+        const double fade = gp_smoothstep(4.0 * (f->fades - at) / f->fades);
+        const double v =
+            (double) z[x < 0 ? x + n : x] * fade / (all * window * window);
         to[x + rx] = (float) v;
         if (f->first == 0)
             other[rx - x] = (float) v;
@@ -114,7 +109,7 @@ static void store_samples(const void *ctx, int c, int j, int thread,
 static void fold_row(void *ctx, int y, int thread)
 {
     const struct finishing *const f = ctx;
-    const size_t w = 2 * (size_t) f->out->rx + 1;
+    const size_t w = 2 * (size_t) f->out->cx + 1;
     float *const *const k = f->out->k.c;
     (void) thread;
     for (size_t i = (size_t) y * w; i < (size_t) (y + 1) * w; i++) {
@@ -140,7 +135,7 @@ static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
         .fades = fades,
         .out = out,
         .luminance = luminance,
-        .first = s->im[0] ? -out->ry : 0,
+        .first = s->im[0] ? -out->cy : 0,
     };
     const struct gp_fft_request fft = {
         .log = log,
@@ -149,7 +144,7 @@ static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
         .in_double = true,
         .channels = 1,
     };
-    const int rows = out->ry + 1 - f.first;
+    const int rows = out->cy + 1 - f.first;
     gp_status st =
         gp_fft_matrix_make(log, (struct gp_fft_numbers) {.in_double = true}, 1,
                            t[0].n, rows, &f.m);
@@ -161,7 +156,7 @@ static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
         st = gp_fft_rows_out(&fft, &f.m, rows, store_samples, &f);
     }
     if (!st)
-        gp_parallel_do(2 * out->ry + 1, fold_row, &f);
+        gp_parallel_do(2 * out->cy + 1, fold_row, &f);
     gp_fft_matrix_free(&f.m);
     gp_free(f.scratch);
     return st;
@@ -274,8 +269,8 @@ static void spikes_at(const struct spikes *k, const double pixel[2], double x,
     const double side = 0.5 * fan + wide + width[0]; // red's is the widest
     out[0] = out[1] = out[2] = 0.0;
     for (int i = 0; i < k->n; i++) {
-        const double s = t * fabs(remainder(at - k->turn - 2.0 * GP_PI * i /
-                                            k->n, GP_PI));
+        const double s =
+            t * fabs(remainder(at - k->turn - 2.0 * M_PI * i / k->n, M_PI));
         for (int c = 0; c < channels && s < side; c++)
             out[c] += light * (tents_up_to(s + 0.5 * fan, wide, width[c]) -
                                tents_up_to(s - 0.5 * fan, wide, width[c]));
@@ -309,7 +304,7 @@ static void taking_over(const void *ctx, double t, double out[3])
     const struct joined *const s = ctx;
     const double share = 1.0 - left_at(t, s->from, s->reach);
     out[0] = share * falloff(t, s->reach);
-    out[1] = share * spikes_left(&s->spikes, t) / (2.0 * GP_PI * t * t * t);
+    out[1] = share * spikes_left(&s->spikes, t) / (2.0 * M_PI * t * t * t);
 }
 
 /* Degrees. */
@@ -380,8 +375,7 @@ static void joined_free(void *state)
 {
     struct joined *const s = state;
     s->near.free(s->near.state);
-    if (s->far.free)
-        s->far.free(s->far.state);
+    s->far.free(s->far.state);
     gp_free(s);
 }
 
@@ -394,7 +388,7 @@ struct directions {
 static int direction(const struct joined *s, int x, int y)
 {
     const double turns =
-        gp_atan2(s->pixel[1] * y, s->pixel[0] * x) / (2 * GP_PI);
+        gp_atan2(s->pixel[1] * y, s->pixel[0] * x) / (2 * M_PI);
     return (int) (TURN * (turns + 1.0) + 0.5) % TURN;
 }
 
@@ -482,7 +476,7 @@ static struct spikes spikes_of(const struct gp_diffraction *d, double reach)
 {
     static const double waves[3] = {610.0, 550.0, 465.0}; // nm, of channels
     const struct gp_blades *const b = &d->blades;
-    const double degree = GP_PI / 180.0;
+    const double degree = M_PI / 180.0;
     struct spikes k = {.n = d->reach > 1.05 * reach ? b->n : 0};
     if (!k.n)
         return k;
@@ -532,7 +526,7 @@ static gp_status join(const struct gp_log *log,
     const double end = s->end;
     gp_profile_integral(taking_over, s, 2, s->from, end, over);
     const double a = reach / 20.0; // and from there to infinity
-    const double rest = 2.0 * GP_PI / sqrt(end * end + a * a);
+    const double rest = 2.0 * M_PI / sqrt(end * end + a * a);
     const bool whole = r[0] < f->w - 1 && r[1] < f->h - 1;
     for (int c = 0; c < 3 && whole; c++)
         shape->own[c] = 1.0 - sum[c] - (over[0] + rest) * s->light[c] -
@@ -561,7 +555,7 @@ static gp_status join(const struct gp_log *log,
 static int cells_of(const struct gp_diffraction *d, double reach)
 {
     const double nm = d->nm > 0.0 ? d->nm : 450.0; // shorter ones are dim
-    const double waves = d->diameter * 1e6 / nm * reach * GP_PI / 180.0;
+    const double waves = d->diameter * 1e6 / nm * reach * M_PI / 180.0;
     const double n = fmax(2.2 * waves, 16.0 * d->steep * d->diameter / 400.0);
     return (int) fmin(ceil(fmax(n, LEAST_CELLS) / 8.0), MOST_CELLS / 8) * 8;
 }
@@ -596,8 +590,8 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     const double corner = gp_hypot(pixel[0] * f->w, pixel[1] * f->h);
     p.n = cells_of(d, fmin(d->reach, corner / d->sampled));
     p.cell = d->diameter / (p.n - 4);
-    const double resolved = (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell *
-                            0.95 * 180.0 / GP_PI;
+    const double resolved =
+        (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell * 0.95 * 180.0 / M_PI;
     const double reach = fmin(d->reach, resolved);
     for (int i = 0; i < 2; i++) {
         slices[i] = (int) fmin(ceil(LEAST_REACH * pixel[i] / reach), 1e8);
@@ -615,7 +609,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_FREE(p.t);
     GP_FREE(p.path);
     GP_TRY(gp_fft_pair_make(log, period[0], period[1], true, t));
-    GP_TRY(gp_samples_shape(log, s.channels, r[0], r[1], &shape));
+    GP_TRY(gp_samples_make(log, s.channels, r[0], r[1], &shape));
     const bool sliced = slices[0] > 1 || slices[1] > 1; // nothing goes on
     GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9, f->luminance,
                   shape.state));

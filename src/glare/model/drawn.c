@@ -259,16 +259,9 @@ struct radial {
     double a, b;      // degrees of a slice
     int n;            // steps
     double step;      // degrees; the curve is 0 from n * step on
-    double *curve[3]; // n + 2 each, owned
     bool grey;
+    double *curve[3]; // n + 2 each, after it in one block
 };
-
-static void free_radial(void *state)
-{
-    struct radial *const r = state;
-    gp_free(r->curve[0]);
-    gp_free(r);
-}
 
 static void radial_row(const void *state, int x, int y, int n,
                        double *const out[3])
@@ -326,29 +319,32 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     const int slices[2] = {(int) ceil(4.0 * a / bend),
                            (int) ceil(4.0 * b / bend)};
     const bool whole = slices[0] == 1 && slices[1] == 1;
+    const double step = bend / 64.0;
+    const size_t room = (size_t) ceil(end / step) + 2;
     struct radial *r;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *r, &r);
+    gp_status st = gp_alloc_zero(log, "kernel", 1,
+                                 sizeof *r + 3 * room * sizeof(double), &r);
     if (st)
         return st;
-    r->a = a / slices[0];
-    r->b = b / slices[1];
-    r->grey = grey;
-    r->step = bend / 64.0;
-    r->n = (int) ceil(end / r->step);
-    const size_t room = (size_t) r->n + 2;
-    st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);
-    if (st) {
-        gp_free(r);
-        return st;
-    }
-    r->curve[1] = r->curve[0] + room;
-    r->curve[2] = r->curve[1] + room;
+    *r = (struct radial) {
+        .a = a / slices[0],
+        .b = b / slices[1],
+        .n = (int) room - 2,
+        .step = step,
+        .grey = grey,
+    };
+    for (size_t c = 0; c < 3; c++)
+        r->curve[c] = (double *) (r + 1) + c * room;
     fill_curves(r, value, ctx);
     const double rx = ceil(end / r->a) + 1.0, ry = ceil(end / r->b) + 1.0;
     const double reach = fmax(rx, ry);
     *out = (struct gp_shape) {
-        .state = r, .free = free_radial, .grey = grey, .row = radial_row,
-        .even = true, .smooth = INFINITY,
+        .state = r,
+        .free = gp_free,
+        .grey = grey,
+        .row = radial_row,
+        .even = true,
+        .smooth = INFINITY,
         .reach = reach < 1e6 ? (int) reach : INT_MAX,
     };
     return whole ? GP_OK
@@ -511,28 +507,6 @@ const struct gp_model gp_model_ring = {
 
 // -- images -------------------------------------------------------------------
 
-static void image_row(const void *state, int x, int y, int n,
-                      double *const out[3])
-{
-    const struct gp_kernel *const k = state;
-    const int row = y + k->cy;
-    for (int c = 0; c < (k->grey ? 1 : 3); c++) {
-        for (int i = 0; i < n; i++) {
-            const int column = x + i + k->cx;
-            const bool in = row >= 0 && row < k->h && column >= 0 &&
-                            column < k->w;
-            out[c][i] = in ? (double) k->k.c[c][(size_t) row * (size_t) k->w +
-                                                (size_t) column] : 0.0;
-        }
-    }
-}
-
-static void free_image(void *state)
-{
-    gp_kernel_free(state);
-    gp_free(state);
-}
-
 static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
                             const struct gp_field *f, struct gp_shape *out)
 {
@@ -540,7 +514,7 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
     const double x = gp_recipe_value(r, "x"), y = gp_recipe_value(r, "y");
     const struct gp_rect window = r->image->data;
     const int middle[2] = {gp_rect_w(window) / 2, gp_rect_h(window) / 2};
-    struct gp_kernel *k;
+    struct gp_kernel k = {0};
     const struct gp_kernel_params p = {
         .centered = true,
         .center = {window.x0 + (x < 0.0 ? middle[0] : x) + 0.5,
@@ -551,22 +525,24 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
         .scale = size > 0.0 ? size / (f->degrees * gp_rect_h(window))
                             : gp_recipe_value(r, "percent") / 100.0,
     };
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *k, &k);
+    gp_status st = gp_kernel_from_frame(log, &p, r->image, &k);
     if (!st)
-        st = gp_kernel_from_frame(log, &p, r->image, k);
-    if (st) {
-        gp_free(k);
-        return st;
-    }
-    const int reach[] = {abs(k->cx), abs(k->cy), abs(k->w - 1 - k->cx),
-                         abs(k->h - 1 - k->cy)};
-    *out = (struct gp_shape) {
-        .state = k, .free = free_image, .row = image_row, .grey = k->grey,
-        .negative = k->negative, .smooth = INFINITY,
-    };
-    for (int i = 0; i < 4; i++)
-        out->reach = reach[i] > out->reach ? reach[i] : out->reach;
-    return GP_OK;
+        st = gp_samples_shape(log,
+                              (struct gp_samples) {
+                                  .w = k.w,
+                                  .h = k.h,
+                                  .cx = k.cx,
+                                  .cy = k.cy,
+                                  .channels = k.grey ? 1 : 3,
+                                  .k = k.k,
+                                  .scale = {1.0, 1.0, 1.0},
+                              },
+                              out);
+    if (!st)
+        out->negative = k.negative;
+    k.k = (struct gp_planes) {0}; // they are the shape's
+    gp_kernel_free(&k);
+    return st;
 }
 
 static const struct gp_model_key image_keys[] = {

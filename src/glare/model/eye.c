@@ -250,8 +250,7 @@ struct needling {
 /* The share of the needles' contrast that is left t degrees from the light. */
 static double needle_fade(double t)
 {
-    const double end = fmin(fmax(2.0 * (1.0 - t / NEEDLE_END), 0.0), 1.0);
-    return end * end * (3.0 - 2.0 * end);
+    return gp_smoothstep(2.0 * (1.0 - t / NEEDLE_END));
 }
 
 /* Makes m, of mean 1, and its integrals. */
@@ -431,7 +430,7 @@ static gp_status make_needles(const struct gp_log *log,
     struct needling *m = NULL;
     double rest = 0.0;
     const size_t w = 2 * (size_t) rx + 1, h = 2 * (size_t) ry + 1;
-    GP_TRY(gp_samples_shape(log, 1, rx, ry, out));
+    GP_TRY(gp_samples_make(log, 1, rx, ry, out));
     GP_TRY(gp_alloc(log, "kernel", 1, sizeof *m, &m));
     *m = (struct needling) {
         .f1 = s->factor * s->weight[1] * CORONA,

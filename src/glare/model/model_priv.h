@@ -65,10 +65,7 @@ extern const struct gp_model gp_model_star, gp_model_cross,
 static inline double gp_recipe_value(const struct gp_recipe *r,
                                      const char *key)
 {
-    int i = 0;
-    while (strcmp(r->model->keys[i].name, key) != 0)
-        i++;
-    return r->value[i];
+    return gp_recipe_key(r, key, 0.0);
 }
 
 /* The key that all models begin with; `preset` is the model's own share. */
@@ -107,16 +104,21 @@ double gp_normal_twice(double z);
 
 // -- quadrature.c: samples, and deposits ----------------------------------------
 
-/* Samples of offsets -rx .. rx, -ry .. ry, times `scale`; rows of 2 rx + 1. */
+/* Samples of a shape, times `scale`; (cx, cy) is the centre. */
 struct gp_samples {
-    int rx, ry, channels;
+    int w, h, cx, cy, channels;
     struct gp_planes k;
     double scale[3];
 };
 
-/* Makes a shape of samples, its state, for the caller to fill; `scale` is 1. */
-GP_MUST_CHECK gp_status gp_samples_shape(const struct gp_log *log, int channels,
-    int rx, int ry, struct gp_shape *out);
+/* Makes a shape of samples of offsets -rx .. rx, -ry .. ry, for the caller to fill. */
+GP_MUST_CHECK gp_status gp_samples_make(const struct gp_log *log, int channels,
+                                        int rx, int ry, struct gp_shape *out);
+
+/* Makes a shape of planes of w x h samples; takes them, also on failure. */
+GP_MUST_CHECK gp_status gp_samples_shape(const struct gp_log *log,
+                                         struct gp_samples samples,
+                                         struct gp_shape *out);
 
 /* Light of shapes finer than a pixel, by offsets -rx .. rx, -ry .. ry. Light
  * that is even over a pixel and moved by (u, v) pixels falls on pixel (x, y) by
@@ -220,12 +222,10 @@ double gp_pupil_hippus(double p, double t, double strength, uint64_t seed);
 
 // -- diffraction --------------------------------------------------------------
 
-#define GP_PI 3.14159265358979323846
-
 /* sin(pi x) / (pi x) */
 static inline double gp_sinc(double x)
 {
-    return fabs(x) > 1e-8 ? gp_sin(GP_PI * x) / (GP_PI * x) : 1.0;
+    return fabs(x) > 1e-8 ? gp_sin(M_PI * x) / (M_PI * x) : 1.0;
 }
 
 /* Spectra of a kernel: [c][block of GP_LANES x][y][x in it], x in [0, nx / 2],

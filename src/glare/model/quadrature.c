@@ -69,37 +69,59 @@ static void samples_row(const void *state, int x, int y, int n,
                         double *const out[3])
 {
     const struct gp_samples *const s = state;
-    const size_t w = 2 * (size_t) s->rx + 1;
     for (int c = 0; c < s->channels; c++) {
         for (int i = 0; i < n; i++) {
-            const bool inside = abs(x + i) <= s->rx && abs(y) <= s->ry;
-            out[c][i] = inside ? s->scale[c] * (double) s->k.c[c][
-                (size_t) (y + s->ry) * w + (size_t) (x + i + s->rx)] : 0.0;
+            const int column = x + i + s->cx, row = y + s->cy;
+            const bool inside =
+                column >= 0 && column < s->w && row >= 0 && row < s->h;
+            out[c][i] =
+                inside ? s->scale[c] *
+                             (double) s->k.c[c][(size_t) row * (size_t) s->w +
+                                                (size_t) column]
+                       : 0.0;
         }
     }
 }
 
-gp_status gp_samples_shape(const struct gp_log *log, int channels, int rx,
-                           int ry, struct gp_shape *out)
+gp_status gp_samples_shape(const struct gp_log *log, struct gp_samples samples,
+                           struct gp_shape *out)
 {
     struct gp_samples *s;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
-    if (st)
-        return st;
-    *s = (struct gp_samples) {
-        .rx = rx, .ry = ry, .channels = channels, .scale = {1.0, 1.0, 1.0},
-    };
-    st = gp_planes_make(log, "kernel", (2 * (size_t) rx + 1) *
-                        (2 * (size_t) ry + 1), &s->k);
+    const int reach_x =
+        gp_max(abs(samples.cx), abs(samples.w - 1 - samples.cx));
+    const int reach_y =
+        gp_max(abs(samples.cy), abs(samples.h - 1 - samples.cy));
+    gp_status st = gp_alloc(log, "kernel", 1, sizeof *s, &s);
     if (st) {
-        gp_free(s);
+        gp_planes_free(&samples.k);
         return st;
     }
+    *s = samples;
     *out = (struct gp_shape) {
-        .state = s, .free = samples_free, .row = samples_row,
-        .grey = channels == 1, .smooth = INFINITY, .reach = gp_max(rx, ry),
+        .state = s,
+        .free = samples_free,
+        .row = samples_row,
+        .grey = s->channels == 1,
+        .smooth = INFINITY,
+        .reach = gp_max(reach_x, reach_y),
     };
     return GP_OK;
+}
+
+gp_status gp_samples_make(const struct gp_log *log, int channels, int rx,
+                          int ry, struct gp_shape *out)
+{
+    struct gp_samples s = {
+        .w = 2 * rx + 1,
+        .h = 2 * ry + 1,
+        .cx = rx,
+        .cy = ry,
+        .channels = channels,
+        .scale = {1.0, 1.0, 1.0},
+    };
+    gp_status st =
+        gp_planes_make(log, "kernel", (size_t) s.w * (size_t) s.h, &s.k);
+    return st ? st : gp_samples_shape(log, s, out);
 }
 
 // -- light of shapes finer than a pixel, shared out by where it falls ---------

@@ -166,8 +166,8 @@ GP_CLONES static void add_pixel(const struct rays *r, const struct strand *s,
 static void make_row(void *ctx, int i, int thread)
 {
     const struct rays *const r = ctx;
-    const int rx = r->to->rx, n = 2 * rx + 1;
-    const int y = i - r->to->ry, opposite = 2 * r->to->ry - i;
+    const int rx = r->to->cx, n = 2 * rx + 1;
+    const int y = i - r->to->cy, opposite = 2 * r->to->cy - i;
     const size_t at = (size_t) i * (size_t) n;
     const bool both = r->even && i != opposite;
     double sums[3] = {0};
@@ -258,15 +258,15 @@ static void make_curves(const struct gp_field *f, double core,
 static gp_status fill_samples(const struct gp_log *log, struct rays *s,
                               double light[3])
 {
-    const int rows = 2 * s->to->ry + 1;
-    const size_t n = (size_t) rows * (2 * (size_t) s->to->rx + 1);
+    const int rows = 2 * s->to->cy + 1;
+    const size_t n = (size_t) rows * (2 * (size_t) s->to->cx + 1);
     gp_status st = gp_alloc(log, "kernel", (size_t) rows, sizeof *s->row_sum,
                             &s->row_sum);
     if (st)
         return st;
     for (int c = 0; c < 3; c++)
         memset(s->to->k.c[c], 0, n * sizeof(float));
-    gp_parallel_do(s->even ? s->to->ry + 1 : rows, make_row, s);
+    gp_parallel_do(s->even ? s->to->cy + 1 : rows, make_row, s);
     for (int i = 0; i < 3 * rows; i++)
         light[i % 3] += s->row_sum[i / 3][i % 3];
     GP_FREE(s->row_sum);
@@ -370,7 +370,7 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
     }
     s->a = side[0];
     s->b = side[1];
-    GP_TRY(gp_samples_shape(log, 3, n[0], n[1], out));
+    GP_TRY(gp_samples_make(log, 3, n[0], n[1], out));
     s->to = out->state;
     st = fill_samples(log, s, light);
     if (st) {

@@ -268,13 +268,21 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
     return st;
 }
 
+/* The number of a model's key; that of the list's end where it has none. */
+static int key_of(const struct gp_recipe *r, const char *key)
+{
+    int i = 0;
+    while (r->model->keys[i].name && strcmp(r->model->keys[i].name, key) != 0)
+        i++;
+    return i;
+}
+
 void gp_recipe_preset(struct gp_recipe *r, const char *key, double value)
 {
-    for (int i = 0; r->model->keys[i].name; i++) {
-        const struct gp_model_key *const k = &r->model->keys[i];
-        if (strcmp(k->name, key) == 0 && !r->written[i])
-            r->value[i] = fmin(fmax(value, k->lo), k->hi);
-    }
+    const int i = key_of(r, key);
+    const struct gp_model_key *const k = &r->model->keys[i];
+    if (k->name && !r->written[i])
+        r->value[i] = fmin(fmax(value, k->lo), k->hi);
 }
 
 gp_status gp_recipe_of_image(const struct gp_log *log, const char *path,
@@ -358,9 +366,7 @@ void gp_recipe_adapt(struct gp_recipe *r, double mean, double white)
     if (!gp_recipe_adapts(r))
         return;
     const double own = gp_recipe_value(r, "white");
-    int i = 0;
-    while (strcmp(r->model->keys[i].name, "adaptation") != 0)
-        i++;
+    const int i = key_of(r, "adaptation");
     // the dark is 1e-6 cd/m2, under which no eye sees
     r->value[i] = fmin(fmax(mean * (own > 0.0 ? own : white), 1e-6),
                        r->model->keys[i].hi);
@@ -369,16 +375,13 @@ void gp_recipe_adapt(struct gp_recipe *r, double mean, double white)
 double gp_recipe_key(const struct gp_recipe *r, const char *key,
                      double otherwise)
 {
-    for (int i = 0; r->model->keys[i].name; i++) {
-        if (strcmp(r->model->keys[i].name, key) == 0)
-            return r->value[i];
-    }
-    return otherwise;
+    const int i = key_of(r, key);
+    return r->model->keys[i].name ? r->value[i] : otherwise;
 }
 
 const char *gp_recipe_file(const struct gp_recipe *r)
 {
-    for (int i = 0; r->model->keys[i].name; i++) {
+    for (int i = 0; i < GP_MODEL_KEYS; i++) {
         if (r->file[i])
             return r->file[i];
     }

@@ -4,8 +4,7 @@
  *
  * A is linear between lags, as that of a pupil of square cells. Pixels wider than
  * the finest light alias frequencies: two sparse matrices map A's rows and
- * columns to frequencies, and a row of a matrix holds all the lags that fall on
- * one frequency. */
+ * columns to frequencies, of which several rows fall on one of the kernel. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -94,7 +93,7 @@ GP_CLONES static void add_path(const float *restrict t,
     static const double ROUND = 0x1.8p52; // added, leaves whole numbers
     for (int x = 0; x < n; x++) {
         const double turns = (double) path[x] * waves;
-        const float z = (float) (GP_PI * (turns - ((turns + ROUND) - ROUND)));
+        const float z = (float) (M_PI * (turns - ((turns + ROUND) - ROUND)));
         const float q = z * z;
         // of half the angle, within pi / 2: Taylor's series, to 1e-9
         const float s = z * (1.0f + q * (-1.0f / 6 + q * (1.0f / 120 +
@@ -218,30 +217,18 @@ struct lag_row {
     size_t at; // of its weights
 };
 
-/* A lag's share in a frequency. */
-struct lag_share {
-    int lag;
-    float weight;
-};
-
-/* Rows -edge .. edge of frequencies of a kernel of `period` pixels. Those that
- * fall on a frequency k from 0 to half of the period are put together as well,
- * in order of their lags: folded[at[k]] up to folded[at[k + 1]]. */
+/* Rows -edge .. edge of frequencies of a kernel of `period` pixels. */
 struct lag_matrix {
     int edge, period;
     double step; // of frequencies, in cells of lag
     struct lag_row *row;
     float *weight;
-    struct lag_share *folded;
-    int *at;
 };
 
 static void lag_matrix_free(struct lag_matrix *m)
 {
     gp_free(m->row);
     gp_free(m->weight);
-    gp_free(m->folded);
-    gp_free(m->at);
     *m = (struct lag_matrix) {0};
 }
 
@@ -253,36 +240,6 @@ static double ramp(double t)
            : t < 0.0 ? a * a * a / 6.0
            : t < 1.0 ? t + b * b * b / 6.0
                      : t;
-}
-
-/* The first row whose frequency is k modulo the period. */
-static int first_row(const struct lag_matrix *m, int k)
-{
-    return (k + m->edge) % m->period;
-}
-
-static gp_status fold(const struct gp_log *log, size_t weights,
-                      struct lag_matrix *m)
-{
-    const int half = m->period / 2;
-    gp_status st = gp_alloc(log, "kernel", (size_t) half + 2, sizeof *m->at,
-                            &m->at);
-    if (!st)
-        st = gp_alloc(log, "kernel", weights, sizeof *m->folded, &m->folded);
-    if (st)
-        return st;
-    int n = 0;
-    for (int k = 0; k <= half; k++) {
-        m->at[k] = n;
-        for (int r = first_row(m, k); r <= 2 * m->edge; r += m->period) {
-            const struct lag_row *const row = &m->row[r];
-            for (int i = 0; i < row->n; i++)
-                m->folded[n++] = (struct lag_share) {
-                    row->first + i, m->weight[row->at + (size_t) i]};
-        }
-    }
-    m->at[half + 1] = n;
-    return GP_OK;
 }
 
 /* Cells go from -n to n. */
@@ -311,8 +268,6 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
                                       (ramp(high - u) + ramp(low - u) -
                                        2.0 * ramp(k * step - u)));
     }
-    if (!st)
-        st = fold(log, at, &m);
     if (st)
         lag_matrix_free(&m);
     else
@@ -355,18 +310,20 @@ sum_lags(const struct lag_matrix *m, const float *strip, int edge, int k,
          float *restrict out0, float *restrict out1)
 {
     eight sum[2][EIGHTS] = {0};
-    const struct lag_share *at = m->folded + m->at[k];
-    const struct lag_share *end = m->folded + m->at[k + 1];
-    while (at < end && at->lag < -edge)
-        at++;
-    while (at < end && end[-1].lag > edge)
-        end--;
-    for (; at < end; at++) {
-        const eight *const plus = (const eight *) (strip + at->lag * STRIP);
-        const eight *const minus = (const eight *) (strip - at->lag * STRIP);
-        for (int i = 0; i < EIGHTS; i++) {
-            sum[0][i] += at->weight * plus[i];
-            sum[1][i] += at->weight * minus[i];
+    // all rows whose frequency is k modulo the period
+    for (int r = (k + m->edge) % m->period; r <= 2 * m->edge; r += m->period) {
+        const struct lag_row *const row = &m->row[r];
+        const float *const weight = m->weight + row->at;
+        const int first = gp_max(-edge - row->first, 0);
+        const int end = gp_min(edge + 1 - row->first, row->n);
+        for (int j = first; j < end; j++) {
+            const int at = (row->first + j) * STRIP;
+            const eight *const plus = (const eight *) (strip + at);
+            const eight *const minus = (const eight *) (strip - at);
+            for (int i = 0; i < EIGHTS; i++) {
+                sum[0][i] += weight[j] * plus[i];
+                sum[1][i] += weight[j] * minus[i];
+            }
         }
     }
     memcpy(out0, sum[0], sizeof sum[0]);
@@ -518,7 +475,7 @@ gp_status gp_spectra_make(const struct gp_log *log,
         for (int k = 0; k < n; k++) {
             memcpy(band[k].rgb, rgb[i + k], sizeof band[k].rgb);
             // cycles a radian, in cells of lag
-            const double unit = nm[i + k] * 1e-6 / (p->cell * GP_PI / 180.0);
+            const double unit = nm[i + k] * 1e-6 / (p->cell * M_PI / 180.0);
             GP_TRY(lag_matrix_make(log, a.n, unit / (period[0] * pixel[0]),
                                    period[0], &band[k].x));
             GP_TRY(lag_matrix_make(log, a.n, unit / (period[1] * pixel[1]),
