@@ -54,48 +54,27 @@ static gp_status halve_kernel(const struct gp_log *log,
     return st;
 }
 
-struct doubling {
-    const struct gp_image *f;
-    int times;
-    uint8_t *over; // one a row: a sample overflowed
-};
-
-static void double_row(void *ctx, int y, int thread)
+/* Doubles the layer. Samples that overflow are clamped to FLT_MAX; then a
+ * warning is printed and the bound is INFINITY. */
+static void double_layer(const struct gp_log *log, const char *path,
+                         const struct gp_image *f, int times, double *bound)
 {
-    const struct doubling *const d = ctx;
-    const size_t w = (size_t) gp_image_w(d->f);
-    (void) thread;
+    bool over = false;
     for (int c = 0; c < 3; c++) {
-        float *const v = d->f->layer.c[c] + (size_t) y * w;
-        for (size_t x = 0; x < w; x++) {
-            const float whole = ldexpf(v[x], d->times);
-            v[x] = gp_maxf(gp_minf(whole, FLT_MAX), -FLT_MAX);
-            d->over[y] |= v[x] != whole;
+        float *const v = f->layer.c[c];
+        for (size_t i = 0; i < gp_image_pixels(f); i++) {
+            const float whole = ldexpf(v[i], times);
+            v[i] = gp_maxf(gp_minf(whole, FLT_MAX), -FLT_MAX);
+            over |= v[i] != whole;
         }
     }
-}
-
-/* Doubles the layer. Samples that overflow are clamped to FLT_MAX; then a
- * warning is printed and the bound is INFINITY. Errors: GP_ERR_BUG out of
- * memory. */
-static gp_status double_layer(const struct gp_log *log, const char *path,
-    const struct gp_image *f, int times, double *bound)
-{
-    struct doubling d = {f, times, NULL};
-    const int h = gp_image_h(f);
-    gp_status st = gp_alloc_zero(log, "layer", (size_t) h, 1, &d.over);
-    if (st)
-        return st;
-    gp_parallel_do(h, double_row, &d);
-    if (memchr(d.over, 1, (size_t) h)) {
-        *bound = INFINITY;
-        gp_say_at(log, GP_LEVEL_WARN, "sense.max_value",
-                  "%s: the layer overflows and has no bound (limited to %.3g, "
-                  "the largest float); normalise the kernel",
-                  path, (double) FLT_MAX);
-    }
-    gp_free(d.over);
-    return GP_OK;
+    if (!over)
+        return;
+    *bound = INFINITY;
+    gp_say_at(log, GP_LEVEL_WARN, "sense.max_value",
+              "%s: the layer overflows and has no bound (limited to %.3g, "
+              "the largest float); normalise the kernel",
+              path, (double) FLT_MAX);
 }
 
 /* The whole of a kernel with a far field, kept in g. */
@@ -243,44 +222,22 @@ out:
     return st;
 }
 
-struct summed {
-    const struct gp_sky *sky;
-    const double *from;
-    const struct gp_planes *to;
-    int w, h;
-};
-
-/* Adds row i % h of channel i / h of a sum in double. */
-static void add_summed(void *ctx, int i, int thread)
-{
-    const struct summed *const s = ctx;
-    const size_t w = (size_t) s->w;
-    float *const to = s->to->c[i / s->h] + (size_t) (i % s->h) * w;
-    const double *const from = s->from + (size_t) i * w;
-    (void) thread;
-    for (size_t x = 0; x < w; x++)
-        to[x] = (float) ((double) to[x] + from[x]);
-    gp_sky_cut_row(s->sky, i % s->h, to);
-}
-
 /* Adds true angles to the core, as they are defined. */
 static gp_status add_exact(const struct gp_log *log, struct drawing *d)
 {
     const struct gp_sources *const src = d->req.src;
-    const size_t n = 3 * (size_t) src->w * (size_t) src->h;
-    struct summed s = {
-        .sky = d->kernel->sky,
-        .to = &d->f->layer,
-        .w = src->w,
-        .h = src->h,
-    };
+    const size_t w = (size_t) src->w, h = (size_t) src->h;
     double *sum;
-    gp_status st = gp_alloc_zero(log, "layer", n, sizeof *sum, &sum);
+    gp_status st = gp_alloc_zero(log, "layer", 3 * w * h, sizeof *sum, &sum);
     if (st)
         return st;
     gp_sky_exact(d->kernel->sky, src, sum);
-    s.from = sum;
-    gp_parallel_do(3 * src->h, add_summed, &s);
+    for (size_t i = 0; i < 3 * h; i++) {
+        float *const to = d->f->layer.c[i / h] + i % h * w;
+        for (size_t x = 0; x < w; x++)
+            to[x] = (float) ((double) to[x] + sum[i * w + x]);
+        gp_sky_cut_row(d->kernel->sky, (int) (i % h), to);
+    }
     gp_free(sum);
     return GP_OK;
 }
@@ -359,7 +316,7 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     if (!(engine->bound > 0.0))
         req->stats->bound += req->floor;
     if (d->times) {
-        GP_TRY(double_layer(log, d->path, d->f, d->times, &req->stats->bound));
+        double_layer(log, d->path, d->f, d->times, &req->stats->bound);
         if (d->beyond)
             gp_parallel_do(3 * h, gp_beyond_add_row, g->outside);
     }

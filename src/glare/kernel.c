@@ -32,93 +32,70 @@ struct raw_kernel {
 
 // -- sums of the samples ------------------------------------------------------
 
-/* Sums of one row. The rows' sums are added up in order, so that the total is
- * the same for any number of threads. */
-struct row_sums {
-    double sum[3];
-    float peak;                  // largest magnitude
-    int x0, x1;                  // columns that are not zero, half-open
-    int bad_x, bad_c;            // a sample that is NaN or Inf; x -1: none
-    bool coloured;               // the channels differ
-};
-
 struct raw_sums {
-    const struct raw_kernel *raw;
-    struct row_sums *row;
+    double sum[3];
+    float peak;         // largest magnitude
+    bool coloured;      // the channels differ
+    struct gp_rect box; // the smallest that holds all samples that are not zero
 };
 
-static void sum_raw_row(void *ctx, int y, int thread)
+/* Fails with the last sample of row y that is NaN or Inf. */
+static gp_status refuse_row(const struct gp_log *log,
+                            const struct raw_kernel *raw, int y)
 {
-    const struct raw_sums *const s = ctx;
-    const int w = s->raw->w;
-    const size_t at = (size_t) y * (size_t) w;
-    struct row_sums r = {.x0 = w, .x1 = 0, .bad_x = -1};
-    (void) thread;
-    for (int c = 0; c < 3; c++) {
-        const float *const v = s->raw->in.c[c] + at;
-        int last = w;
-        r.coloured |=
-            memcmp(v, s->raw->in.c[0] + at, (size_t) w * sizeof *v) != 0;
-        for (int x = 0; x < w; x++) {
-            r.sum[c] += (double) v[x];
-            r.peak = gp_maxf(fabsf(v[x]), r.peak);
-            if (!isfinite(v[x])) {
-                r.bad_x = x;
-                r.bad_c = c;
-            }
-        }
-        while (last > r.x1 && v[last - 1] == 0.0f)
-            last--;
-        r.x1 = last;
-        for (last = 0; last < r.x0 && v[last] == 0.0f;)
-            last++;
-        r.x0 = last;
-    }
-    s->row[y] = r;
+    const size_t at = (size_t) y * (size_t) raw->w;
+    int i = 3 * raw->w - 1;
+    while (isfinite(raw->in.c[i / raw->w][at + (size_t) (i % raw->w)]))
+        i--;
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: the kernel has a non-finite value (%g in channel "
+                   "%c, column %d, row %d); replace it by a finite one",
+                   raw->name,
+                   (double) raw->in.c[i / raw->w][at + (size_t) (i % raw->w)],
+                   "RGB"[i / raw->w], i % raw->w, y);
 }
 
-/* Adds all rows up into *all, whose x0, x1 are not used; *box gets the
- * smallest rectangle that holds all samples that are not zero.
- * Errors: GP_ERR_DATA a sample is not finite. */
+/* Errors: GP_ERR_DATA a sample is not finite. */
 static gp_status sum_raw(const struct gp_log *log, const struct raw_kernel *raw,
-                         struct row_sums *all, struct gp_rect *box)
+                         struct raw_sums *out)
 {
-    struct raw_sums s = {raw, NULL};
-    gp_status st =
-        gp_alloc(log, raw->name, (size_t) raw->h, sizeof *s.row, &s.row);
-    if (st)
-        return st;
-    gp_parallel_do(raw->h, sum_raw_row, &s);
-    *all = (struct row_sums) {0};
-    *box = (struct gp_rect) {raw->w, raw->h, 0, 0};
-    for (int y = 0; y < raw->h && !st; y++) {
-        const struct row_sums *const r = &s.row[y];
-        if (r->bad_x >= 0) {
-            const size_t at = (size_t) y * (size_t) raw->w + (size_t) r->bad_x;
-            st = gp_fail(log, GP_ERR_DATA,
-                         "%s: the kernel has a non-finite value (%g in channel "
-                         "%c, column %d, row %d); replace it by a finite one",
-                         raw->name, (double) raw->in.c[r->bad_c][at],
-                         "RGB"[r->bad_c], r->bad_x, y);
+    const size_t w = (size_t) raw->w;
+    struct raw_sums o = {.box = {raw->w, raw->h, 0, 0}};
+    for (int y = 0; y < raw->h; y++) {
+        const size_t at = (size_t) y * w;
+        struct gp_rect lit = {raw->w, y, 0, y + 1};
+        double all = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const float *const v = raw->in.c[c] + at;
+            double sum = 0.0;
+            int first = 0, end = raw->w;
+            o.coloured |= memcmp(v, raw->in.c[0] + at, w * sizeof *v) != 0;
+            for (size_t x = 0; x < w; x++) {
+                sum += (double) v[x];
+                o.peak = gp_maxf(fabsf(v[x]), o.peak);
+            }
+            while (end > lit.x1 && v[end - 1] == 0.0f)
+                end--;
+            while (first < lit.x0 && v[first] == 0.0f)
+                first++;
+            lit.x0 = first;
+            lit.x1 = end;
+            o.sum[c] += sum;
+            all += sum;
         }
-        for (int c = 0; c < 3; c++)
-            all->sum[c] += r->sum[c];
-        all->peak = r->peak > all->peak ? r->peak : all->peak;
-        all->coloured |= r->coloured;
-        if (r->x0 < r->x1) {
-            box->x0 = r->x0 < box->x0 ? r->x0 : box->x0;
-            box->x1 = r->x1 > box->x1 ? r->x1 : box->x1;
-            box->y0 = y < box->y0 ? y : box->y0;
-            box->y1 = y + 1;
-        }
+        if (!isfinite(all))
+            return refuse_row(log, raw, y);
+        if (!gp_rect_empty(lit))
+            o.box = gp_rect_join(o.box, lit);
     }
-    gp_free(s.row);
-    return st;
+    *out = o;
+    return GP_OK;
 }
 
 static gp_status find_factor(const struct gp_log *log,
-    const struct raw_kernel *raw, enum gp_normalize normalize,
-    const struct row_sums *all, double *factor)
+                             const struct raw_kernel *raw,
+                             enum gp_normalize normalize,
+                             const struct raw_sums *all, double *factor)
 {
     *factor = 1.0;
     const bool as_it_is = normalize == GP_NORMALIZE_NONE;
@@ -144,68 +121,29 @@ static gp_status find_factor(const struct gp_log *log,
 
 // -- cut and scaled -----------------------------------------------------------
 
-/* Sums of a row of one channel, in order. */
-struct cut_row {
-    double sum, square, magnitude;
-    double faint;  // magnitudes that became 0: each was under FLT_MIN
-    bool negative; // a sample is under 0
-};
-
-struct cutting {
-    const struct raw_kernel *raw;
-    struct gp_rect box;
-    double factor;
-    struct gp_kernel *k;
-    struct cut_row (*row)[3];
-};
-
-/* Scales w samples to `out`, which may be `in`. */
-static struct cut_row scale_row(const float *in, int w, double factor,
-                                float *out)
+/* Writes w samples times `factor` to `out`, which may be `in`, and adds their sums to
+ * those of channel c. Returns the sum of squares. */
+static double scale_row(const float *in, int w, double factor, int c,
+                        struct gp_kernel *k, float *out)
 {
-    struct cut_row r = {0};
+    double sum = 0.0, square = 0.0, magnitude = 0.0, faint = 0.0;
     for (int x = 0; x < w; x++) {
         float scaled = (float) ((double) in[x] * factor);
         const double size = fabs((double) scaled);
         if (size < (double) FLT_MIN) {
-            r.faint += size;
+            faint += size;
             scaled = 0.0f;
         }
         out[x] = scaled;
-        if (scaled == 0.0f)
-            continue;
-        r.sum += (double) scaled;
-        r.square += (double) scaled * (double) scaled;
-        r.magnitude += size;
-        r.negative |= scaled < 0.0f;
+        sum += (double) scaled;
+        square += (double) scaled * (double) scaled;
+        magnitude += fabs((double) scaled);
+        k->negative |= scaled < 0.0f;
     }
-    return r;
-}
-
-static void cut_row(void *ctx, int y, int thread)
-{
-    const struct cutting *const m = ctx;
-    const size_t from = (size_t) (m->box.y0 + y) * (size_t) m->raw->w +
-                        (size_t) m->box.x0;
-    (void) thread;
-    for (int c = 0; c < 3; c++)
-        m->row[y][c] = scale_row(m->raw->in.c[c] + from, m->k->w, m->factor,
-                                 m->k->k.c[c] + (size_t) y * (size_t) m->k->w);
-}
-
-/* Adds up the sums of the rows of channel c. */
-static void add_rows(const struct cutting *m, int c, struct gp_kernel *k)
-{
-    double square = 0.0;
-    for (int y = 0; y < k->h; y++) {
-        const struct cut_row *const r = &m->row[y][c];
-        k->sum[c] += r->sum;
-        square += r->square;
-        k->norm1[c] += r->magnitude;
-        k->faint[c] += r->faint;
-        k->negative |= r->negative;
-    }
-    k->norm2[c] = sqrt(square);
+    k->sum[c] += sum;
+    k->norm1[c] += magnitude;
+    k->faint[c] += faint;
+    return square;
 }
 
 /* Takes raw->in when it is owned, also on failure. */
@@ -214,18 +152,16 @@ static gp_status make_kernel(const struct gp_log *log,
 {
     gp_status st;
     struct gp_kernel k = {0};
-    struct cutting m = {.raw = raw, .k = &k};
-    struct row_sums all;
-
-    GP_TRY(sum_raw(log, raw, &all, &m.box));
-    GP_TRY(find_factor(log, raw, normalize, &all, &m.factor));
-    k.w = gp_rect_w(m.box);
-    k.h = gp_rect_h(m.box);
-    k.cx = raw->cx - m.box.x0;
-    k.cy = raw->cy - m.box.y0;
+    struct raw_sums all;
+    double factor;
+    GP_TRY(sum_raw(log, raw, &all));
+    GP_TRY(find_factor(log, raw, normalize, &all, &factor));
+    k.w = gp_rect_w(all.box);
+    k.h = gp_rect_h(all.box);
+    k.cx = raw->cx - all.box.x0;
+    k.cy = raw->cy - all.box.y0;
     k.grey = !all.coloured;
     k.serial = gp_serial_next();
-    GP_TRY(gp_alloc(log, raw->name, (size_t) k.h, sizeof *m.row, &m.row));
     if (raw->owned && k.w == raw->w && k.h == raw->h) {
         k.k = raw->in;
         raw->owned = false; // they are the kernel's
@@ -233,13 +169,18 @@ static gp_status make_kernel(const struct gp_log *log,
         GP_TRY(gp_planes_make(log, raw->name, (size_t) k.w * (size_t) k.h,
                               &k.k));
     }
-    gp_parallel_do(k.h, cut_row, &m);
-    for (int c = 0; c < 3; c++)
-        add_rows(&m, c, &k);
+    for (int c = 0; c < 3; c++) {
+        double square = 0.0;
+        for (int y = 0; y < k.h; y++)
+            square += scale_row(
+                raw->in.c[c] + (size_t) (all.box.y0 + y) * (size_t) raw->w +
+                    all.box.x0,
+                k.w, factor, c, &k, k.k.c[c] + (size_t) y * (size_t) k.w);
+        k.norm2[c] = sqrt(square);
+    }
     *out = k;
     k = (struct gp_kernel) {0};
 out:
-    gp_free(m.row);
     gp_kernel_free(&k);
     if (raw->owned)
         gp_planes_free(&raw->in);
@@ -543,10 +484,9 @@ static gp_status make_rotated(const struct gp_log *log,
         GP_TRY(resample(log, across, down, &t));
     } else if (!right && normalize == GP_NORMALIZE_LUMINANCE) {
         // scaled before, so that what is rotated is normalised
-        struct row_sums all;
-        struct gp_rect box;
+        struct raw_sums all;
         double factor;
-        GP_TRY(sum_raw(log, &t, &all, &box));
+        GP_TRY(sum_raw(log, &t, &all));
         GP_TRY(find_factor(log, &t, normalize, &all, &factor));
         const size_t n = (size_t) u.w * (size_t) u.h;
         for (size_t i = 0; i < 3 * n; i++)
@@ -567,35 +507,6 @@ out:
 
 // -- primaries ----------------------------------------------------------------
 
-struct converting {
-    const struct gp_planes *in;
-    struct gp_planes out;
-    int w;
-    double m[9];
-    float luminance[3];          // weights of the primaries of `out`
-};
-
-static void convert_row(void *ctx, int y, int thread)
-{
-    const struct converting *const t = ctx;
-    const double *const m = t->m;
-    (void) thread;
-    for (int x = 0; x < t->w; x++) {
-        const size_t i = (size_t) y * (size_t) t->w + (size_t) x;
-        const double r = (double) t->in->c[0][i], g = (double) t->in->c[1][i],
-                     b = (double) t->in->c[2][i];
-        double v[3] = {r, g, b};
-        if (isfinite(r) && isfinite(g) && isfinite(b)) { // else an error later
-            for (int c = 0; c < 3; c++)
-                v[c] = m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b;
-            if (r >= 0.0 && g >= 0.0 && b >= 0.0) // lobes stay
-                gp_gamut_fold(t->luminance, v);
-        }
-        for (int c = 0; c < 3; c++)
-            t->out.c[c][i] = (float) v[c];
-    }
-}
-
 static bool is_grey(const struct raw_kernel *raw)
 {
     const size_t bytes = (size_t) raw->w * (size_t) raw->h * sizeof(float);
@@ -609,25 +520,37 @@ static bool is_grey(const struct raw_kernel *raw)
 static gp_status convert(const struct gp_log *log, const float from[8],
     const float to[8], float luminance[3], struct raw_kernel *raw)
 {
-    struct converting t = {.in = &raw->in, .w = raw->w};
+    const size_t n = (size_t) raw->w * (size_t) raw->h;
+    struct gp_planes out;
+    double m[9];
     if (memcmp(from, to, 8 * sizeof *from) == 0)
         return GP_OK;
     gp_luminance_weights(to, luminance);
     raw->luminance = luminance;
     if (is_grey(raw))
         return GP_OK;
-    if (!gp_spectrum_to_spectrum(from, to, t.m))
+    if (!gp_spectrum_to_spectrum(from, to, m))
         return gp_fail(log, GP_ERR_DATA, "%s: the kernel's primaries cannot "
                        "become the frame's; repair chromaticities", raw->name);
-    memcpy(t.luminance, luminance, sizeof t.luminance);
-    gp_status st = gp_planes_make(log, raw->name,
-                                  (size_t) raw->w * (size_t) raw->h, &t.out);
-    if (st)
-        return st;
-    gp_parallel_do(raw->h, convert_row, &t);
-    raw->in = t.out;
-    raw->owned = true;
-    return GP_OK;
+    gp_status st = gp_planes_make(log, raw->name, n, &out);
+    for (size_t i = 0; i < n && !st; i++) {
+        const double r = (double) raw->in.c[0][i], g = (double) raw->in.c[1][i],
+                     b = (double) raw->in.c[2][i];
+        double v[3] = {r, g, b};
+        if (isfinite(r) && isfinite(g) && isfinite(b)) { // else an error later
+            for (int c = 0; c < 3; c++)
+                v[c] = m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b;
+            if (r >= 0.0 && g >= 0.0 && b >= 0.0) // lobes stay
+                gp_gamut_fold(luminance, v);
+        }
+        for (int c = 0; c < 3; c++)
+            out.c[c][i] = (float) v[c];
+    }
+    if (!st) {
+        raw->in = out;
+        raw->owned = true;
+    }
+    return st;
 }
 
 // -- from a frame, from planes ------------------------------------------------

@@ -37,25 +37,6 @@ struct direct {
     uint32_t *row;             // h + 1 for each thread
 };
 
-struct laying {
-    const struct gp_kernel *k;
-    const struct gp_taps *taps;
-    struct gp_rect cut;
-};
-
-static void lay_row(void *ctx, int i, int thread)
-{
-    const struct laying *const l = ctx;
-    const struct gp_taps *const t = l->taps;
-    const int c = i / t->h, y = i % t->h;
-    const size_t at = (size_t) (y + l->cut.y0) * (size_t) l->k->w;
-    float *const row = t->k[c] + (size_t) y * t->pitch;
-    (void) thread;
-    memset(row, 0, t->pitch * sizeof *row);
-    memcpy(row + GP_TAPS_PAD, l->k->k.c[c] + at + l->cut.x0,
-           (size_t) t->w * sizeof *row);
-}
-
 gp_status gp_taps_cut(const struct gp_log *log, const struct gp_kernel *k,
                       int rx, int ry, struct gp_taps *out)
 {
@@ -78,7 +59,14 @@ gp_status gp_taps_cut(const struct gp_log *log, const struct gp_kernel *k,
         return st;
     for (int c = 1; c < 3; c++)
         t.k[c] = t.k[0] + (k->grey ? 0 : (size_t) c * plane);
-    gp_parallel_do(channels * t.h, lay_row, &(struct laying) {k, &t, cut});
+    for (int i = 0; i < channels * t.h; i++) {
+        const int c = i / t.h, y = i % t.h + cut.y0;
+        float *const row = t.k[0] + (size_t) i * t.pitch;
+        memset(row, 0, t.pitch * sizeof *row);
+        memcpy(row + GP_TAPS_PAD,
+               k->k.c[c] + (size_t) y * (size_t) k->w + cut.x0,
+               (size_t) t.w * sizeof *row);
+    }
     *out = t;
     return GP_OK;
 }

@@ -42,7 +42,6 @@ struct finishing {
     char *scratch;                // of a thread: two arrays of points
     double pixel[2], fades;       // degrees; at the second samples are 0
     struct gp_samples *out;
-    const float *luminance;       // of the primaries
 };
 
 /* A block of columns of the spectrum to rows of samples. Those are real, so that
@@ -105,24 +104,6 @@ static void store_samples(const void *ctx, int c, int j, int thread,
     }
 }
 
-/* Folds a row of samples in. */
-static void fold_row(void *ctx, int y, int thread)
-{
-    const struct finishing *const f = ctx;
-    const size_t w = 2 * (size_t) f->out->cx + 1;
-    float *const *const k = f->out->k.c;
-    (void) thread;
-    for (size_t i = (size_t) y * w; i < (size_t) (y + 1) * w; i++) {
-        double v[3] = {0};
-        for (int c = 0; c < f->s->channels; c++)
-            v[c] = (double) k[c][i];
-        if (f->s->channels == 3)
-            gp_gamut_fold(f->luminance, v);
-        for (int c = 0; c < f->s->channels; c++)
-            k[c][i] = (float) fmax(v[c], 0.0);
-    }
-}
-
 static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
                         const struct gp_transform t[2], const double pixel[2],
                         double fades, const float luminance[3],
@@ -134,7 +115,6 @@ static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
         .pixel = {pixel[0], pixel[1]},
         .fades = fades,
         .out = out,
-        .luminance = luminance,
         .first = s->im[0] ? -out->cy : 0,
     };
     const struct gp_fft_request fft = {
@@ -155,8 +135,15 @@ static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
         gp_parallel_do(f.m.blocks, finish_columns, &f);
         st = gp_fft_rows_out(&fft, &f.m, rows, store_samples, &f);
     }
-    if (!st)
-        gp_parallel_do(2 * out->cy + 1, fold_row, &f);
+    for (size_t i = 0; i < (size_t) out->w * (size_t) out->h && !st; i++) {
+        double v[3] = {0};
+        for (int c = 0; c < s->channels; c++)
+            v[c] = (double) out->k.c[c][i];
+        if (s->channels == 3)
+            gp_gamut_fold(luminance, v);
+        for (int c = 0; c < s->channels; c++)
+            out->k.c[c][i] = (float) fmax(v[c], 0.0);
+    }
     gp_fft_matrix_free(&f.m);
     gp_free(f.scratch);
     return st;
