@@ -8,7 +8,7 @@
 #include "glare/edges.h"
 #include "glare/engine.h"
 #include "glare/kernel_kept.h"
-#include "glare/sensors.h"
+#include "glare/sources.h"
 #include "scene/eye.h"
 #include "scene/gltf/gltf.h"
 #include "sun/found.h"

@@ -8,7 +8,7 @@
 #include "glare/bound/bound.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
-#include "glare/sensors.h"
+#include "glare/sources.h"
 
 #include <stdbool.h>
 

@@ -92,6 +92,14 @@ GP_MUST_CHECK gp_status gp_kernel_of_planes(const struct gp_log *log,
 
 void gp_kernel_free(struct gp_kernel *k);
 
+/* Returns the sample of the centre, 0 where that is outside. */
+static inline float gp_kernel_centre(const struct gp_kernel *k, int c)
+{
+    return k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h
+               ? k->k.c[c][(size_t) k->cy * (size_t) k->w + (size_t) k->cx]
+               : 0.0f;
+}
+
 /* Adds to the layer of a frame of w x h pixels what n sources beside it, of which places
  * count from its corner, light there by true angles; k->sky is not NULL. Errors:
  * GP_ERR_BUG out of memory. */

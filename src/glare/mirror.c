@@ -41,13 +41,14 @@ gp_status gp_mirror_sources(const struct gp_log *log,
         const uint32_t first = src->row[from], end = src->row[from + 1];
         for (uint32_t i = end; i-- > first;) { // left of the picture
             if (src->x[i] < reach)
-                gp_sources_copy(src, i, reach - 1 - src->x[i], y + reach, out);
+                gp_sources_copy(src, i, 1.0, reach - 1 - src->x[i], y + reach,
+                                out);
         }
         for (uint32_t i = first; i < end; i++)
-            gp_sources_copy(src, i, reach + src->x[i], y + reach, out);
+            gp_sources_copy(src, i, 1.0, reach + src->x[i], y + reach, out);
         for (uint32_t i = end; i-- > first;) {
             if (src->x[i] >= w - reach)
-                gp_sources_copy(src, i, reach + 2 * w - 1 - src->x[i],
+                gp_sources_copy(src, i, 1.0, reach + 2 * w - 1 - src->x[i],
                                 y + reach, out);
         }
     }

@@ -476,7 +476,7 @@ gp_status gp_sense(const struct gp_log *log,
     GP_TRY(gp_sources_make(log, &o, o.n, out));
     for (int y = 0; y < o.h; y++) {
         for (uint32_t i = o.row[y]; i < o.row[y + 1]; i++)
-            gp_sources_copy(&o, i, o.x[i], y, out);
+            gp_sources_copy(&o, i, 1.0, o.x[i], y, out);
     }
     gp_sources_finish(out);
 out:

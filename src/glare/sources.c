@@ -9,11 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-float gp_source_bin_start(int bin)
-{
-    return gp_float_with_bits((uint32_t) bin << 22);
-}
-
 static float largest_channel(const float rgb[3])
 {
     return gp_maxf(rgb[0], gp_maxf(rgb[1], rgb[2]));
@@ -66,10 +61,12 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3])
     s->row[y + 1] = (uint32_t) ++s->n;
 }
 
-void gp_sources_copy(const struct gp_sources *src, uint32_t i, int x, int y,
-                     struct gp_sources *to)
+void gp_sources_copy(const struct gp_sources *src, uint32_t i, double share,
+                     int x, int y, struct gp_sources *to)
 {
-    const float rgb[3] = {src->rgb[0][i], src->rgb[1][i], src->rgb[2][i]};
+    float rgb[3];
+    for (int k = 0; k < 3; k++)
+        rgb[k] = (float) ((double) src->rgb[k][i] * share);
     gp_sources_add(to, x, y, rgb);
 }
 
@@ -108,12 +105,8 @@ gp_status gp_sources_halve(const struct gp_log *log,
         return st;
     out->darkest = ldexp(out->darkest, -times);
     for (int y = 0; y < src->h; y++) {
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-            const float rgb[3] = {ldexpf(src->rgb[0][i], -times),
-                                  ldexpf(src->rgb[1][i], -times),
-                                  ldexpf(src->rgb[2][i], -times)};
-            gp_sources_add(out, src->x[i], y, rgb);
-        }
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+            gp_sources_copy(src, i, ldexp(1.0, -times), src->x[i], y, out);
     }
     gp_sources_finish(out);
     return GP_OK;
@@ -135,10 +128,7 @@ gp_status gp_sources_mask(const struct gp_log *log,
             const bool inside = row >= 0 && row < h && x >= 0 && x < w;
             const float v = inside ? mask->v[row * w + x] : 0.0f;
             const float share = v > 0.0f ? gp_minf(v, 1.0f) : 0.0f;
-            const float rgb[3] = {src->rgb[0][i] * share,
-                                  src->rgb[1][i] * share,
-                                  src->rgb[2][i] * share};
-            gp_sources_add(out, src->x[i], y, rgb);
+            gp_sources_copy(src, i, (double) share, src->x[i], y, out);
         }
     }
     gp_sources_finish(out);

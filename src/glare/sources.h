@@ -7,6 +7,7 @@
 #include "core/bytes.h"
 #include "core/image.h"
 #include "core/status.h"
+#include "glarepp.h"
 
 #include <stdint.h>
 
@@ -19,7 +20,10 @@ static inline int gp_source_bin(float v)
 {
     return (int) (gp_bits_of(v) >> 22) & (GP_SOURCE_BINS - 1);
 }
-float gp_source_bin_start(int bin);
+static inline float gp_source_bin_start(int bin)
+{
+    return gp_float_with_bits((uint32_t) bin << 22);
+}
 
 /* 2^26 times FLT_MIN, 1.2e-38: next to a channel of at least this, one under
  * FLT_MIN is below its rounding. */
@@ -74,9 +78,9 @@ static inline double gp_sources_dark(const struct gp_sources *s)
  * `faint`; a source without light is left out. There must be room. */
 void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 
-/* Appends source i of `src` in the same way, at (x, y). */
-void gp_sources_copy(const struct gp_sources *src, uint32_t i, int x, int y,
-                     struct gp_sources *to);
+/* Appends `share` of source i of `src` in the same way, at (x, y). */
+void gp_sources_copy(const struct gp_sources *src, uint32_t i, double share,
+                     int x, int y, struct gp_sources *to);
 
 /* Completes row[] and box once all sources are in the list. */
 void gp_sources_finish(struct gp_sources *s);
@@ -111,5 +115,25 @@ GP_MUST_CHECK gp_status gp_sources_mask(const struct gp_log *log,
  * an image and for --debug sensors. `p` is made. */
 GP_MUST_CHECK gp_status gp_sources_planes(const struct gp_log *log,
     const struct gp_sources *s, struct gp_planes *p);
+
+// -- sensors.c: which pixels are light, and how much, once for every engine -------
+
+/* Cleans f->rgb in place: NaN and -Inf become 0, +Inf the largest finite value
+ * of the frame or 65504, whichever is more; finite values stay, but where a
+ * channel is over max_value its pixel is scaled until the largest is that.
+ * Then finds T, and lists the sources: pixels whose luminance Y, of the
+ * non-negative part, is over T, with the part of the colour that the mode
+ * keeps; the knee's ramp is a smoothstep, 1 when knee is 0. Light under FLT_MIN
+ * then counts as 0 (gp_sources.faint).
+ *
+ * A warning says so when max_value takes over 1 % of a channel's light.
+ *
+ *   sphere  f is a lat-long: percentiles and averages are of its solid angle
+ *   out     written only on GP_OK; free with gp_sources_free()
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sense(const struct gp_log *log,
+                                 const struct glarepp_sense_params *p,
+                                 bool sphere, struct gp_image *f,
+                                 struct gp_sources *out);
 
 #endif

@@ -2,7 +2,7 @@
 /* A frame from memory: read, look for its depth and coverages, find its light,
  * make it a kernel (the last byte says how), write it again. */
 #include "glare/kernel.h"
-#include "glare/sensors.h"
+#include "glare/sources.h"
 #include "harness.h"
 #include "io/plane.h"
 #include "io/io_priv.h"

@@ -6,7 +6,7 @@
 
 #include "core/colour.h"
 #include "glare/engine.h"
-#include "glare/sensors.h"
+#include "glare/sources.h"
 #include "hash.h"
 #include "kept_log.h"
 #include "model_scene.h"

@@ -290,13 +290,11 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     if (k->negative) // no engine guarantees anything
         return GP_OK;
     // by what each source leaves in its own pixel
-    if (k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h) {
-        const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
-        for (int c = 0; c < 3; c++)
-            least += src->energy[c] * (double) k->k.c[c][at] *
-                     (double) k->k.c[c][at];
-        least = sqrt(least);
+    for (int c = 0; c < 3; c++) {
+        const double centre = (double) gp_kernel_centre(k, c);
+        least += src->energy[c] * centre * centre;
     }
+    least = sqrt(least);
     if (least < enough) { // by a quarter of the kernel, in any frame
         struct gp_fft_quarters quarters;
         gp_fft_find_quarters(k, src->w, src->h, &quarters);
@@ -403,9 +401,7 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
         o.weight[c] = (double) f->luminance[c];
         o.layer[c] = fmin((double) req->src->brightest * k->norm1[c],
                           norm * k->norm2[c]);
-        if (k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h)
-            m.centre[c] = (double) k->k.c[c][(size_t) k->cy * (size_t) k->w +
-                                             (size_t) k->cx];
+        m.centre[c] = (double) gp_kernel_centre(k, c);
         // a primary that is no visible colour may have negative luminance
         o.negative += fmax(-o.weight[c], 0.0) * o.layer[c] *
                   (double) req->params->gain;

@@ -43,12 +43,11 @@ void gp_fft_matrix_free(struct gp_fft_matrix *m)
     *m = (struct gp_fft_matrix) {0};
 }
 
-struct gp_fft_matrix gp_fft_one_channel(const struct gp_fft_matrix *m, int i,
-                                        int c)
+struct gp_fft_matrix gp_fft_one_channel(const struct gp_fft_matrix *m, int c)
 {
     struct gp_fft_matrix view = *m;
-    view.z[0] = view.z[1] = view.z[2] = NULL;
-    view.z[c] = m->z[i];
+    view.z[0] = NULL;
+    view.z[c] = m->z[0];
     return view;
 }
 

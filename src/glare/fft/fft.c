@@ -37,15 +37,6 @@ static void close_state(void **state)
 
 // -- the kernel ---------------------------------------------------------------
 
-/* The sample of the centre, which is not transformed, of channel c. */
-static float centre_of(const struct gp_kernel *k, int c)
-{
-    const bool inside =
-        k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h;
-    return inside ? k->k.c[c][(size_t) k->cy * (size_t) k->w + (size_t) k->cx]
-                  : 0.0f;
-}
-
 /* Adds n samples to sum of magnitudes, sum of squares and largest. */
 GP_CLONES static void add_norms(const float *v, size_t n, double out[3])
 {
@@ -74,16 +65,10 @@ static struct gp_fft_norms norms_of(const struct gp_kernel *k)
     struct gp_fft_norms o;
     for (int c = 0; c < 3; c++) {
         double v[3] = {0};
-        if (c > 0 && k->grey) {
-            o.sum[c] = o.sum[0];
-            o.norm[c] = o.norm[0];
-            o.most[c] = o.most[0];
-            continue;
-        }
         const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
         const size_t n = (size_t) k->w * (size_t) k->h;
         const float *const all = k->k.c[c];
-        if (centre_of(k, c) > 0.0f) {
+        if (gp_kernel_centre(k, c) > 0.0f) {
             add_norms(all, at, v);
             add_norms(all + at + 1, n - at - 1, v);
         } else {
@@ -110,48 +95,13 @@ struct light_rows {
     int *lost; // by channel and row of the layer: samples up to noise
 };
 
-enum { RUN = 16 }; // pixels
-
-/* Tests whether the RUN sources from i on, of those before `end`, lie side by
- * side in their row. */
-static bool is_run(const struct gp_sources *s, uint32_t i, uint32_t end)
-{
-    return end - i >= RUN && s->x[i + RUN - 1] - s->x[i] == RUN - 1;
-}
-
-GP_CLONES static void load_light_row(const void *ctx, int c, int j, float *z)
+static void load_light_row(const void *ctx, int c, int j, float *z)
 {
     const struct light_rows *const r = ctx;
     const struct gp_sources *const s = r->src;
-    const float *const light = s->rgb[c];
     const uint32_t end = s->row[r->y[j] + 1];
-    for (uint32_t i = s->row[r->y[j]]; i < end;) {
-        float *const to = z + (s->x[i] - r->p->in.x0);
-        if (is_run(s, i, end)) {
-            memcpy(to, light + i, RUN * sizeof *to);
-            i += RUN;
-        } else {
-            *to = light[i++];
-        }
-    }
-}
-
-/* Adds light times `by` to the pixels of row y. */
-GP_CLONES static void add_centres(const struct gp_sources *s,
-                                  const float *restrict light, int y, float by,
-                                  float *restrict row)
-{
-    const uint32_t end = s->row[y + 1];
-    for (uint32_t i = s->row[y]; i < end;) {
-        float *const to = row + s->x[i];
-        if (is_run(s, i, end)) {
-            for (uint32_t j = 0; j < RUN; j++)
-                to[j] += light[i + j] * by;
-            i += RUN;
-        } else {
-            *to += light[i++] * by;
-        }
-    }
+    for (uint32_t i = s->row[r->y[j]]; i < end; i++)
+        z[s->x[i] - r->p->in.x0] = s->rgb[c][i];
 }
 
 /* Copies n samples, those up to `noise` as black. Returns how many of these were
@@ -184,7 +134,8 @@ static void store_layer_row(const void *ctx, int c, int j, int thread,
         take_row(z + first, upper, r->noise[c], row + p->out.x0) +
         take_row(z, n - upper, r->noise[c], row + p->out.x0 + upper);
     memset(row + p->out.x1, 0, (size_t) (src->w - p->out.x1) * sizeof *row);
-    add_centres(src, src->rgb[c], y, r->centre[c], row);
+    for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+        row[src->x[i]] += src->rgb[c][i] * r->centre[c];
     if (r->rest)
         r->rest->add(r->rest->ctx, c * src->h + y, thread);
 }
@@ -262,7 +213,7 @@ static gp_status transform(const struct gp_glare_request *req,
     }
     rows.place = place;
     for (int c = 0; c < 3; c++) {
-        light.centre[c] = centre_of(req->kernel, c);
+        light.centre[c] = gp_kernel_centre(req->kernel, c);
         light.noise[c] =
             req->kernel->negative
                 ? -INFINITY
@@ -274,7 +225,7 @@ static gp_status transform(const struct gp_glare_request *req,
                               (struct gp_fft_numbers) {.in_double = in_double},
                               1, p->nx, gp_max(rows.n, count), &s->work));
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
-        struct gp_fft_matrix m = gp_fft_one_channel(&s->work, 0, fft.channel);
+        struct gp_fft_matrix m = gp_fft_one_channel(&s->work, fft.channel);
         GP_TRY(gp_fft_find_spectrum(req, &fft, p, &s->spectrum));
         GP_TRY(gp_fft_rows_in(&fft, rows.n, load_light_row, &light, &m));
         GP_TRY(gp_fft_multiply(&fft, rows, &s->spectrum.k, first, count, &m));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Convolution by fast Fourier transforms. The engine is gp_engine_fft: fft.c is
  * its frame, place.c the torus and its bounds, spectrum.c the kernel's spectrum,
- * pass.c the passes over rows and columns, transform.c the transform. */
+ * convolve.c the passes over rows and columns, transform.c their tasks. */
 #ifndef GP_GLARE_FFT_FFT_H
 #define GP_GLARE_FFT_FFT_H
 

@@ -41,9 +41,8 @@ GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
                                            struct gp_fft_matrix *out);
 void gp_fft_matrix_free(struct gp_fft_matrix *m);
 
-/* Plane i of a matrix, as the plane of channel c; borrowed. */
-struct gp_fft_matrix gp_fft_one_channel(const struct gp_fft_matrix *m, int i,
-                                        int c);
+/* The one plane of a matrix, as the plane of channel c; borrowed. */
+struct gp_fft_matrix gp_fft_one_channel(const struct gp_fft_matrix *m, int c);
 
 /* State that the passes share. */
 struct gp_fft_request {
@@ -111,7 +110,7 @@ GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_request *req,
                                         const struct gp_fft_matrix *m, int rows,
                                         gp_fft_store store, const void *ctx);
 
-// -- shared by pass.c and convolve.c ---------------------------------------------
+// -- shared by transform.c and convolve.c ---------------------------------------------
 
 /* A pass under way: what its tasks read, and scratch for each thread. */
 struct gp_pass {

@@ -100,7 +100,7 @@ gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
     // sources' rows
     s->k.scale = 0.25 / ((double) p->nx * p->ny);
     struct gp_fft_matrix m =
-        kept ? s->k.m : gp_fft_one_channel(&s->k.m, 0, fft->channel);
+        kept ? s->k.m : gp_fft_one_channel(&s->k.m, fft->channel);
     GP_TRY(gp_fft_rows_in(&planes, n, load_kernel_row, &from, &m));
     if (kept)
         GP_TRY(gp_fft_make_kernel(&planes, &s->k));

@@ -14,7 +14,7 @@
  * numbers whose re and im are exchanged, before and after: who packs them does
  * that, at no cost.
  *
- * transform.c and pass.c are compiled for float, and by double.c for double. */
+ * transform.c is compiled for float, and by double.c for double. */
 #ifndef GP_GLARE_FFT_TRANSFORM_H
 #define GP_GLARE_FFT_TRANSFORM_H
 

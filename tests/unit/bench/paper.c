@@ -4,7 +4,7 @@
 #include "unit.h"
 #include "views.h"
 #include "bench/bench_priv.h"
-#include "glare/sensors.h"
+#include "glare/sources.h"
 
 /* FNV-1a, of the planes. */
 static uint64_t hash(const struct gp_frame *f)
