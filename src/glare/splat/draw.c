@@ -111,28 +111,6 @@ gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
 
 /* -- sensors --------------------------------------------------------------- */
 
-/* A grid of cells of side x side pixels. Pixels count from the data window's
- * corner, so the grid's may be negative. */
-struct cells {
-    int side;
-    int x, y; // the first cell's corner
-    int w, h; // cells
-};
-
-/* The whole cells that hold the frame: in EXR pixel space one starts at each
- * multiple of its side. */
-static struct cells cells_over(const struct gp_sources *src, int side)
-{
-    struct cells c = {
-        .side = side,
-        .x = -((src->x0 % side + side) % side),
-        .y = -((src->y0 % side + side) % side),
-    };
-    c.w = (src->w - c.x + side - 1) / side;
-    c.h = (src->h - c.y + side - 1) / side;
-    return c;
-}
-
 /* Uploads the light of the frame's pixels to s->sources: rgb, and luminance.
  * Errors: GP_ERR_GL. */
 static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
@@ -180,8 +158,9 @@ static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
  *   parent   side of the clusters in s->clusters whose cells stay shut; 0: none
  * Errors: GP_ERR_GL. */
 static gp_status make_groups(const struct gp_glare_request *req,
-    struct gp_splat *s, const struct cells *c, unsigned boxes, float fill,
-    int parent, struct gp_target *out)
+                             struct gp_splat *s, const struct gp_cells *c,
+                             unsigned boxes, float fill, int parent,
+                             struct gp_target *out)
 {
     const struct gp_log *const log = req->log;
     gp_status st = gp_splat_need_program(log, s, "", "add.vert", "group.frag",
@@ -223,7 +202,7 @@ struct drawing {
 
 /* Cells whose sensors are drawn. */
 struct grid {
-    struct cells cells;
+    struct gp_cells cells;
     const struct gp_texture *sensors, *places; // places NULL: whole pixels
     const struct gp_polygon *at; // of the whole frame, in row order of cells
     size_t n;
@@ -327,7 +306,7 @@ static bool has_chunks(const struct gp_splat_layout *p)
  * polygons. */
 static gp_status draw_grid(const struct drawing *k, const struct grid *g)
 {
-    const struct cells *const c = &g->cells;
+    const struct gp_cells *const c = &g->cells;
     const size_t chunk = k->layout->chunk;
     if (!has_chunks(k->layout))
         return draw_range(k, g, &k->s->total, 0, c->w * c->h);
@@ -360,7 +339,7 @@ static gp_status draw_grids(const struct drawing *k)
     const struct gp_splat_params *const p = &k->layout->params;
     const struct gp_polygons *const all = &k->layout->polygons;
     const int span = gp_max(p->cluster, p->group);
-    const struct cells coarse = cells_over(src, span);
+    const struct gp_cells coarse = gp_cells_over(src, span);
     const struct grid pixels = {
         .cells = {1, 0, 0, src->w, src->h},
         .sensors = &s->sources, .at = all->at, .n = all->n,

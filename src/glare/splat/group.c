@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 #include "glare/splat/polygons.h"
 
 #include <float.h>
@@ -17,22 +16,15 @@ struct cell_sum {
     int sources;
 };
 
-/* Polygons of one row of the largest cells. */
-struct band {
-    struct gp_polygon *at;   // clusters, then groups
-    size_t clusters, groups; // counts
-};
-
 struct grouping {
     const struct gp_sources *src;
     const struct gp_splat_params *p;
-    int step;            // rows of a band: the larger cell's side
-    int left, above;     // pixels of the first cell outside the window
-    int columns;         // group cells in a row
-    int wide;            // cluster cells in a row
-    struct band *band;
-    struct cell_sum *scratch; // for each thread: columns + wide
-    struct gp_polygon *out;   // src->n: those of a band from its first source's
+    struct gp_cells bands;    // of the larger cell's side
+    int columns;              // cells of groups in a row
+    int wide;                 // cells of clusters in a row
+    struct cell_sum *cell;    // columns, then wide
+    struct gp_polygon *group; // room for src->n
+    struct gp_polygons out;   // with room for as many
 };
 
 /* -- cells ----------------------------------------------------------------- */
@@ -108,7 +100,7 @@ static size_t close_row(const struct grouping *g, const struct cell_sum *cell,
     size_t n = 0;
     for (int k = 0; k < cells; k++) {
         if (cell[k].sources)
-            out[n++] = close_cell(&cell[k], k * side - g->left, y0, side);
+            out[n++] = close_cell(&cell[k], k * side + g->bands.x, y0, side);
     }
     return n;
 }
@@ -124,58 +116,62 @@ static void add_rows(const struct grouping *g, int y0, int y1, int side,
     for (int y = y0; y < y1; y++) {
         const uint32_t past = g->src->row[y + 1];
         for (uint32_t i = g->src->row[y], end; i < past; i = end) {
-            const int at = (x[i] + g->left) / side;
-            const int beyond = (at + 1) * side - g->left;
+            const int in = x[i] - g->bands.x, at = in / side;
+            const int beyond = (at + 1) * side + g->bands.x;
             for (end = i + 1; end < past && x[end] < beyond;)
                 end++;
-            if (!cluster || !cluster[(x[i] + g->left) / g->p->cluster].sources)
-                add_sources(g->src, i, end, g->left - at * side,
-                            (y + g->above) % side, &cell[at]);
+            if (!cluster || !cluster[in / g->p->cluster].sources)
+                add_sources(g->src, i, end, -g->bands.x - at * side,
+                            (y - g->bands.y) % side, &cell[at]);
         }
     }
 }
 
-/* Makes the band's polygons. */
-static void group_band(void *ctx, int i, int thread)
+/* Makes the polygons of band i. */
+static void group_band(struct grouping *g, int i)
 {
-    const struct grouping *const g = ctx;
-    struct cell_sum *const cell =
-        g->scratch + (size_t) (g->columns + g->wide) * (size_t) thread;
-    struct cell_sum *const cluster = cell + g->columns;
-    struct band *const b = &g->band[i];
+    struct cell_sum *const cell = g->cell, *const cluster = cell + g->columns;
+    struct gp_polygons *const o = &g->out;
     const int side = g->p->group, large = g->p->cluster;
-    const int start = i * g->step - g->above;
-    const int y0 = gp_max(0, start), y1 = gp_min(g->src->h, start + g->step);
-    b->at = g->out + g->src->row[y0];
+    const int start = i * g->bands.side + g->bands.y;
+    const int y0 = gp_max(0, start);
+    const int y1 = gp_min(g->src->h, start + g->bands.side);
     memset(cluster, 0, (size_t) g->wide * sizeof *cluster);
     if (large)
         add_rows(g, y0, y1, large, NULL, cluster);
     for (int k = 0; k < g->wide; k++) {
-        const int x0 = gp_max(0, k * large - g->left);
-        const int x1 = gp_min(g->src->w, (k + 1) * large - g->left);
+        const int x0 = gp_max(0, k * large + g->bands.x);
+        const int x1 = gp_min(g->src->w, (k + 1) * large + g->bands.x);
         // in float, as the shaders decide it
         const float area = (float) ((x1 - x0) * (y1 - y0));
         if (!((float) cluster[k].sources >= g->p->cluster_fill * area))
             cluster[k].sources = 0;
     }
-    b->clusters = close_row(g, cluster, g->wide, start, large, b->at);
+    o->clusters +=
+        close_row(g, cluster, g->wide, start, large, o->at + o->clusters);
     for (int top = start; top < y1; top += side) {
         if (top + side <= y0)
             continue;
         memset(cell, 0, (size_t) g->columns * sizeof *cell);
         add_rows(g, gp_max(top, y0), gp_min(top + side, y1), side,
                  large ? cluster : NULL, cell);
-        b->groups += close_row(g, cell, g->columns, top, side,
-                               b->at + b->clusters + b->groups);
+        o->groups +=
+            close_row(g, cell, g->columns, top, side, g->group + o->groups);
     }
 }
 
 /* -- the frame ------------------------------------------------------------- */
 
-/* Cells that `size` pixels meet, the first one `before` pixels outside. */
-static int cells_over(int before, int size, int side)
+struct gp_cells gp_cells_over(const struct gp_sources *src, int side)
 {
-    return (before + size + side - 1) / side;
+    struct gp_cells c = {
+        .side = side,
+        .x = -((src->x0 % side + side) % side),
+        .y = -((src->y0 % side + side) % side),
+    };
+    c.w = (src->w - c.x + side - 1) / side;
+    c.h = (src->h - c.y + side - 1) / side;
+    return c;
 }
 
 gp_status gp_polygons_make(const struct gp_log *log,
@@ -183,44 +179,28 @@ gp_status gp_polygons_make(const struct gp_log *log,
     struct gp_polygons *out)
 {
     gp_status st;
-    struct gp_polygons o = {0};
-    // cells count from pixel (0, 0); the larger cell holds whole smaller ones
-    const int step = gp_max(p->group, p->cluster);
+    // the larger cell holds whole smaller ones
     struct grouping g = {
-        .src = src, .p = p, .step = step,
-        .left = (src->x0 % step + step) % step,
-        .above = (src->y0 % step + step) % step,
+        .src = src,
+        .p = p,
+        .bands = gp_cells_over(src, gp_max(p->group, p->cluster)),
     };
-    g.columns = cells_over(g.left, src->w, p->group);
-    g.wide = p->cluster ? cells_over(g.left, src->w, p->cluster) : 0;
-    const int bands = cells_over(g.above, src->h, step);
-    GP_TRY(gp_alloc_zero(log, "groups", (size_t) bands, sizeof *g.band,
-                         &g.band));
-    GP_TRY(gp_alloc(log, "groups",
-                    (size_t) gp_threads() * (size_t) (g.columns + g.wide),
-                    sizeof *g.scratch, &g.scratch));
-    GP_TRY(gp_alloc(log, "groups", src->n, sizeof *g.out, &g.out));
-    gp_parallel_do(bands, group_band, &g);
-    for (int i = 0; i < bands; i++) {
-        o.clusters += g.band[i].clusters;
-        o.groups += g.band[i].groups;
-    }
-    GP_TRY(gp_alloc(log, "polygons", o.clusters + o.groups, sizeof *o.at,
-                    &o.at));
-    struct gp_polygon *cluster = o.at, *group = o.at + o.clusters;
-    for (int i = 0; i < bands; i++) {
-        const struct band *const b = &g.band[i];
-        memcpy(cluster, b->at, b->clusters * sizeof *cluster);
-        memcpy(group, b->at + b->clusters, b->groups * sizeof *group);
-        cluster += b->clusters;
-        group += b->groups;
-    }
-    o.n = o.clusters + o.groups;
-    *out = o;
+    g.columns = g.bands.w * (g.bands.side / p->group);
+    g.wide = p->cluster ? g.bands.w : 0;
+    GP_TRY(gp_alloc(log, "groups", (size_t) (g.columns + g.wide),
+                    sizeof *g.cell, &g.cell));
+    GP_TRY(gp_alloc(log, "groups", src->n, sizeof *g.group, &g.group));
+    GP_TRY(gp_alloc(log, "polygons", src->n, sizeof *g.out.at, &g.out.at));
+    for (int i = 0; i < g.bands.h; i++)
+        group_band(&g, i);
+    memcpy(g.out.at + g.out.clusters, g.group, g.out.groups * sizeof *g.group);
+    g.out.n = g.out.clusters + g.out.groups;
+    *out = g.out;
+    g.out.at = NULL;
 out:
-    gp_free(g.band);
-    gp_free(g.scratch);
-    gp_free(g.out);
+    gp_free(g.cell);
+    gp_free(g.group);
+    gp_polygons_free(&g.out);
     return st;
 }
 

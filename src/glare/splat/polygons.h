@@ -32,6 +32,18 @@ static inline bool gp_splat_single(const struct gp_splat_params *p)
 enum { GP_BLURS = 10 };
 extern const int gp_blur_box[GP_BLURS]; // 1 2 3 4 6 8 12 16 32 64
 
+/* Square cells of a frame's pixels, which count from the data window's corner, so
+ * that the first one's may be under 0. */
+struct gp_cells {
+    int side;
+    int x, y; // the first cell's corner
+    int w, h; // cells
+};
+
+/* Returns the whole cells that hold the frame: in EXR pixel space one starts at
+ * each multiple of its side. */
+struct gp_cells gp_cells_over(const struct gp_sources *src, int side);
+
 struct gp_polygon {
     float x, y;      // formula (1): P0, in pixels from the data window's
                      // corner; the centre of pixel (i, j) is (i, j)
