@@ -66,6 +66,19 @@ struct gp_planes {
     float *c[3];
 };
 
+/* Row y of a plane of w samples a row. */
+static inline float *gp_row(float *plane, int w, int y)
+{
+    return plane + (size_t) y * (size_t) w;
+}
+
+/* Sample (x, y) of channel c of w x h planes; 0 outside. */
+static inline float gp_planes_at(const struct gp_planes *p, int c, int w, int h,
+                                 int x, int y)
+{
+    return x >= 0 && x < w && y >= 0 && y < h ? gp_row(p->c[c], w, y)[x] : 0.0f;
+}
+
 /* One plane of samples with its own window: depth, coverage. w * h floats of
  * `window`, rows from the top, no padding; NaN and Inf stay as they were read.
  * Empty: v is NULL. */

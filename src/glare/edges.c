@@ -313,7 +313,7 @@ static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
     for (int c = 0; !st && c < s->channels; c++) {
         memset(box_row(s, c, 0), 0, s->pitch * sizeof(double));
         for (int y = 0; y < k->h; y++) {
-            const float *const from = k->k.c[c] + (size_t) y * (size_t) k->w;
+            const float *const from = gp_row(k->k.c[c], k->w, y);
             const double *const above = box_row(s, c, y);
             double *const to = box_row(s, c, y + 1), sum = 0.0;
             to[0] = 0.0;

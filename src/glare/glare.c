@@ -47,7 +47,6 @@ static gp_status halve_kernel(const struct gp_log *log,
         out->sum[c] = ldexp(k->sum[c], -times);
         out->norm1[c] = ldexp(k->norm1[c], -times);
         out->norm2[c] = ldexp(k->norm2[c], -times);
-        out->faint[c] = ldexp(k->faint[c], -times);
         for (size_t i = 0; i < n; i++)
             out->k.c[c][i] = ldexpf(k->k.c[c][i], -times);
     }

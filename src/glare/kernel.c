@@ -172,10 +172,9 @@ static gp_status make_kernel(const struct gp_log *log,
     for (int c = 0; c < 3; c++) {
         double square = 0.0;
         for (int y = 0; y < k.h; y++)
-            square += scale_row(
-                raw->in.c[c] + (size_t) (all.box.y0 + y) * (size_t) raw->w +
-                    all.box.x0,
-                k.w, factor, c, &k, k.k.c[c] + (size_t) y * (size_t) k.w);
+            square += scale_row(gp_row(raw->in.c[c], raw->w, all.box.y0 + y) +
+                                    all.box.x0,
+                                k.w, factor, c, &k, gp_row(k.k.c[c], k.w, y));
         k.norm2[c] = sqrt(square);
     }
     *out = k;
@@ -219,9 +218,7 @@ static bool set_angle(float degrees, struct rotating *u)
 
 static double tap(const struct rotating *u, int c, int x, int y)
 {
-    return x >= 0 && x < u->w && y >= 0 && y < u->h
-               ? (double) u->k.c[c][(size_t) y * (size_t) u->w + (size_t) x]
-               : 0.0;
+    return (double) gp_planes_at(&u->k, c, u->w, u->h, x, y);
 }
 
 static void rotate_row(void *ctx, int row, int thread)
@@ -240,7 +237,7 @@ static void rotate_row(void *ctx, int row, int thread)
                                fx * tap(u, c, x0 + 1, y0);
             const double bottom = (1.0 - fx) * tap(u, c, x0, y0 + 1) +
                                   fx * tap(u, c, x0 + 1, y0 + 1);
-            to->in.c[c][(size_t) row * (size_t) to->w + (size_t) i] =
+            gp_row(to->in.c[c], to->w, row)[i] =
                 (float) ((1.0 - fy) * top + fy * bottom);
         }
     }

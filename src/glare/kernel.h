@@ -95,9 +95,7 @@ void gp_kernel_free(struct gp_kernel *k);
 /* Returns the sample of the centre, 0 where that is outside. */
 static inline float gp_kernel_centre(const struct gp_kernel *k, int c)
 {
-    return k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h
-               ? k->k.c[c][(size_t) k->cy * (size_t) k->w + (size_t) k->cx]
-               : 0.0f;
+    return gp_planes_at(&k->k, c, k->w, k->h, k->cx, k->cy);
 }
 
 /* Adds to the layer of a frame of w x h pixels what n sources beside it, of which places

@@ -64,8 +64,7 @@ static gp_status mirror_planes(const struct gp_log *log,
                                   wide * ((size_t) h + 2 * (size_t) reach), out);
     for (int c = 0; !st && c < 3; c++) {
         for (int y = -reach; y < h + reach; y++) {
-            const float *const from =
-                p->c[c] + (size_t) mirrored(y, h) * (size_t) w;
+            const float *const from = gp_row(p->c[c], w, mirrored(y, h));
             float *const to = out->c[c] + (size_t) (y + reach) * wide;
             for (int x = -reach; x < w + reach; x++)
                 to[x + reach] = from[mirrored(x, w)];

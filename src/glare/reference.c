@@ -38,8 +38,7 @@ GP_CLONES static void plain_row(void *ctx, int y, int thread)
             ((size_t) c * (size_t) src->h + (size_t) y) * (size_t) w;
         memset(out, 0, (size_t) w * sizeof *out);
         for (int sy = first; sy < end; sy++) {
-            const float *const row =
-                k->k.c[c] + (size_t) (y - sy + k->cy) * (size_t) k->w;
+            const float *const row = gp_row(k->k.c[c], k->w, y - sy + k->cy);
             for (uint32_t i = src->row[sy]; i < src->row[sy + 1]; i++) {
                 const int at = src->x[i] - k->cx; // of kernel column 0
                 const double light = (double) src->rgb[c][i];
@@ -131,8 +130,7 @@ static gp_status sum_plain(const struct gp_log *log,
         for (int y = 0; y < k->h; y++) {
             for (int x = 0; x < k->w; x++)
                 b[2 * ((size_t) y * nx + (size_t) x)] =
-                    (double) k->k.c[c][(size_t) y * (size_t) k->w +
-                                       (size_t) x];
+                    (double) gp_row(k->k.c[c], k->w, y)[x];
         }
         transform(pair, false, a, z);
         transform(pair, false, b, z);
@@ -238,18 +236,14 @@ static float least_of(const struct gp_image *f, const struct gp_planes *layer,
 {
     enum { SHIFT = 18, BINS = 1 << (31 - SHIFT) };
     size_t count[BINS] = {0}, n = 0;
-    uint32_t bin = BINS, bits;
-    float least;
+    uint32_t bin = BINS;
     for (size_t i = 0; i < gp_image_pixels(f); i++) {
         const float y = luminance_at(f, layer, i);
-        memcpy(&bits, &y, sizeof bits);
-        count[y > 0.0f ? bits >> SHIFT : 0]++;
+        count[y > 0.0f ? gp_bits_of(y) >> SHIFT : 0]++;
     }
     while (bin > 1 && n + count[bin - 1] <= most)
         n += count[--bin];
-    bits = bin << SHIFT;
-    memcpy(&least, &bits, sizeof least);
-    return bin < BINS ? least : INFINITY;
+    return bin < BINS ? gp_float_with_bits(bin << SHIFT) : INFINITY;
 }
 
 struct gp_glare_sample gp_glare_sample(const struct gp_image *f,

@@ -83,7 +83,7 @@ static gp_status make_table(const struct gp_log *log,
     GP_TRY(gp_alloc(log, "bound", n + 1, sizeof *t.at, &t.at));
     // the least in a square around d side, first along rows, then down
     for (int y = 0; y < k->h && t.w; y++) {
-        const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+        const float *const row = gp_row(k->k.c[c], k->w, y);
         for (int i = 0; i < t.w; i++) {
             const int at = (t.x0 + i) * side + k->cx;
             float v = row[at];
@@ -196,7 +196,7 @@ static gp_status make_squares(const struct gp_log *log,
     gp_status st = gp_alloc_zero(log, "bound", pitch * ((size_t) k->h + 1),
                                  sizeof **out, out);
     for (int y = 0; y < k->h && !st; y++) {
-        const float *const in = k->k.c[c] + (size_t) y * (size_t) k->w;
+        const float *const in = gp_row(k->k.c[c], k->w, y);
         double *const to = *out + ((size_t) y + 1) * pitch;
         double row = 0.0;
         for (int x = 0; x < k->w; x++) {

@@ -63,8 +63,7 @@ gp_status gp_taps_cut(const struct gp_log *log, const struct gp_kernel *k,
         const int c = i / t.h, y = i % t.h + cut.y0;
         float *const row = t.k[0] + (size_t) i * t.pitch;
         memset(row, 0, t.pitch * sizeof *row);
-        memcpy(row + GP_TAPS_PAD,
-               k->k.c[c] + (size_t) y * (size_t) k->w + cut.x0,
+        memcpy(row + GP_TAPS_PAD, gp_row(k->k.c[c], k->w, y) + cut.x0,
                (size_t) t.w * sizeof *row);
     }
     *out = t;

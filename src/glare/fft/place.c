@@ -75,7 +75,7 @@ void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
     for (int c = 0; c < 3 && !k->negative; c++) {
         double square[2][2] = {{0}}, sum[2][2] = {{0}}; // above, below
         for (int y = 0; y < k->h; y++) {
-            const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+            const float *const row = gp_row(k->k.c[c], k->w, y);
             if (y <= k->cy && y >= k->cy - reach_y)
                 add_sides(row, k->w, k->cx, reach_x, square[0], sum[0]);
             if (y >= k->cy && y <= k->cy + reach_y)

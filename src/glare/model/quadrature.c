@@ -70,16 +70,10 @@ static void samples_row(const void *state, int x, int y, int n,
 {
     const struct gp_samples *const s = state;
     for (int c = 0; c < s->channels; c++) {
-        for (int i = 0; i < n; i++) {
-            const int column = x + i + s->cx, row = y + s->cy;
-            const bool inside =
-                column >= 0 && column < s->w && row >= 0 && row < s->h;
+        for (int i = 0; i < n; i++)
             out[c][i] =
-                inside ? s->scale[c] *
-                             (double) s->k.c[c][(size_t) row * (size_t) s->w +
-                                                (size_t) column]
-                       : 0.0;
-        }
+                s->scale[c] * (double) gp_planes_at(&s->k, c, s->w, s->h,
+                                                    x + i + s->cx, y + s->cy);
     }
 }
 

@@ -205,7 +205,7 @@ static void make_row(void *ctx, int i, int thread)
     }
     memcpy(r->row_sum[i], sums, sizeof sums);
     for (int c = 0; c < 3 && both; c++) {
-        float *const to = r->to->k.c[c] + (size_t) opposite * (size_t) n;
+        float *const to = gp_row(r->to->k.c[c], n, opposite);
         for (int x = 0; x < n; x++)
             to[n - 1 - x] = r->to->k.c[c][at + (size_t) x];
         r->row_sum[opposite][c] = sums[c];

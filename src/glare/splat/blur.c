@@ -69,8 +69,7 @@ static void blur_strip(void *ctx, int i, int thread)
     memset(rows, 0, (size_t) b->out->h * STRIP * sizeof *rows);
     for (int y = 0; y < h; y++) {
         const int ky = b->crop.y0 + y;
-        const float *const in =
-            k->k.c[c] + (size_t) ky * (size_t) k->w + b->crop.x0;
+        const float *const in = gp_row(k->k.c[c], k->w, ky) + b->crop.x0;
         const bool middle = b->hollow && abs(ky - k->cy) <= GP_MIDDLE_RADIUS;
         for (int j = 0; j < n + before; j++) {
             const int x = x0 - before + j;
@@ -84,7 +83,7 @@ static void blur_strip(void *ctx, int i, int thread)
     }
     sum_box(b, rows, b->out->h, STRIP);
     for (int y = 0; y < b->out->h; y++) {
-        float *const to = b->out->k.c[c] + (size_t) y * (size_t) b->out->w + x0;
+        float *const to = gp_row(b->out->k.c[c], b->out->w, y) + x0;
         for (int x = 0; x < n; x++)
             to[x] = (float) (rows[(size_t) y * STRIP + (size_t) x] * scale);
     }
@@ -146,12 +145,8 @@ gp_status gp_rings_make(const struct gp_log *log, const struct gp_kernel *k,
     GP_TRY(gp_alloc_zero(log, "rings", n, sizeof *r.peak, &r.peak));
     for (int c = 0; c < 3; c++) {
         GP_TRY(gp_alloc_zero(log, "rings", n, sizeof(double), &r.beyond[c]));
-        if (c > 0 && k->grey) {
-            memcpy(r.beyond[c], r.beyond[0], n * sizeof(double));
-            continue;
-        }
         for (int y = crop.y0; y < crop.y1; y++) {
-            const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+            const float *const row = gp_row(k->k.c[c], k->w, y);
             for (int x = crop.x0; x < crop.x1; x++) {
                 const int d = gp_max(abs(x - k->cx), abs(y - k->cy));
                 if (hollow && d <= GP_MIDDLE_RADIUS)

@@ -233,23 +233,17 @@ static gp_status find_left_out(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Sample (x, y) of what polygons draw, 0 outside. */
-static double sample_of(const struct gp_blur *k, int c, int x, int y)
-{
-    return x < 0 || x >= k->w || y < 0 || y >= k->h
-               ? 0.0
-               : (double) k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x];
-}
-
 /* Sum of |dk/dx| + |dk/dy|, differences to the next sample. */
 static double find_slope(const struct gp_blur *k, struct gp_rect crop, int c)
 {
     double sum = 0.0;
     for (int y = crop.y0 - 1; !gp_rect_empty(crop) && y < crop.y1; y++) {
         for (int x = crop.x0 - 1; x < crop.x1; x++) {
-            const double s = sample_of(k, c, x, y);
-            sum += fabs(sample_of(k, c, x + 1, y) - s) +
-                   fabs(sample_of(k, c, x, y + 1) - s);
+            const float s = gp_planes_at(&k->k, c, k->w, k->h, x, y);
+            const float right = gp_planes_at(&k->k, c, k->w, k->h, x + 1, y);
+            const float below = gp_planes_at(&k->k, c, k->w, k->h, x, y + 1);
+            sum += fabs((double) right - (double) s) +
+                   fabs((double) below - (double) s);
         }
     }
     return sum;

@@ -75,15 +75,10 @@ static double count_pixels(const struct gp_glare_request *req,
 {
     const struct gp_sources *const s = req->src;
     const struct gp_kernel *const k = req->kernel;
-    double pixels = 0.0;
-    for (int y = s->box.y0; p->middle && y < s->box.y1; y++) {
-        double columns = 0.0;
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-            columns += overlap(s->x[i] - GP_MIDDLE_RADIUS,
-                               s->x[i] + GP_MIDDLE_RADIUS, s->w);
-        pixels += columns * overlap(y - GP_MIDDLE_RADIUS, y + GP_MIDDLE_RADIUS,
-                                    s->h);
-    }
+    double pixels =
+        p->middle ? gp_direct_work(s, MIDDLE_SIDE, MIDDLE_SIDE,
+                                   GP_MIDDLE_RADIUS, GP_MIDDLE_RADIUS, INFINITY)
+                  : 0.0;
     for (size_t i = 0; p->outer && i < p->polygons.n; i++) {
         const struct gp_polygon *const q = &p->polygons.at[i];
         const double reach = p->shrink.reach[gp_source_bin(q->light)];
