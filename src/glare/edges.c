@@ -15,7 +15,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 // -- the cells of a border ------------------------------------------------------
@@ -90,9 +89,8 @@ struct border {
 };
 
 /* Cell i: those of the upper side, the lower, the left, the right. */
-static void find_cell(void *ctx, int i, int thread)
+static void find_cell(const struct border *a, int i)
 {
-    const struct border *const a = ctx;
     const int w = a->picture->w, h = a->picture->h;
     const bool flat = i < 2 * a->across; // upper or lower
     const int k = flat ? i % a->across : (i - 2 * a->across) % a->down;
@@ -107,7 +105,6 @@ static void find_cell(void *ctx, int i, int thread)
     const float middle = 0.5f * (float) (from + to - 1);
     const float line = far ? (float) (flat ? h : w) - 0.5f : -0.5f;
     struct cell *const out = &a->cell[i];
-    (void) thread;
     out->x = flat ? middle : line;
     out->y = flat ? line : middle;
     out->length = (float) (to - from);
@@ -248,7 +245,8 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
     const int cells = 2 * (border.across + border.down);
     GP_TRY(gp_alloc(log, "edges", (size_t) cells, sizeof *border.cell,
                     &border.cell));
-    gp_parallel_do(cells, find_cell, &border);
+    for (int i = 0; i < cells; i++)
+        find_cell(&border, i);
     GP_TRY(take_lamps_out(log, s->luminance, &border));
     for (int i = 0; i < cells; i++)
         lit = lit || border.cell[i].root[0] > 0.0f ||

@@ -3,7 +3,6 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "glare/model/model.h"
 #include "glare/sky/sky.h"
@@ -11,7 +10,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <string.h>
 
 /* Limits of light and kernels within which no engine leaves the range of

@@ -3,7 +3,6 @@
 #ifndef GP_GLARE_GLARE_PRIV_H
 #define GP_GLARE_GLARE_PRIV_H
 
-#include "core/image.h"
 #include "core/status.h"
 #include "glare/bound/bound.h"
 #include "glare/engine.h"

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The mirror image of a picture around it: --edges mirror. */
-#include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/edges.h"
-
-#include <stdbool.h>
 
 int gp_mirror_reach(int w, int h)
 {

@@ -11,7 +11,6 @@
 #include "glare/sky/sky.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double MOST_WORK = 4e6; // products

@@ -18,10 +18,9 @@ struct fft_state {
     struct gp_fft_spectrum spectrum;
     struct gp_fft_matrix work; // of one channel: three leave the cache; empty
                                // between frames
-    unsigned long norms_kernel; // serial of the norms'
+    unsigned long kernel; // serial of the kernel, and frame, of what follows
+    int w, h;
     struct gp_fft_norms norms;
-    unsigned long quarters_kernel; // serial and frame of the quarters
-    int quarters_w, quarters_h;
     struct gp_fft_quarters quarters;
 };
 
@@ -287,16 +286,12 @@ static gp_status open_frame(const struct gp_glare_request *req, void **state,
     }
     struct fft_state *const s = *state;
     *out = (struct frame) {.p = gp_fft_place(src, k)};
-    if (!gp_fft_is_of(s->norms_kernel, k)) {
+    if (!gp_fft_is_of(s->kernel, k) || s->w != src->w || s->h != src->h) {
         s->norms = norms_of(k);
-        s->norms_kernel = k->serial;
-    }
-    if (!gp_fft_is_of(s->quarters_kernel, k) || s->quarters_w != src->w ||
-        s->quarters_h != src->h) {
         gp_fft_find_quarters(k, src->w, src->h, &s->quarters);
-        s->quarters_kernel = k->serial;
-        s->quarters_w = src->w;
-        s->quarters_h = src->h;
+        s->kernel = k->serial;
+        s->w = src->w;
+        s->h = src->h;
     }
     out->in_double =
         out->p.nx && (req->params->in_double || is_seen(req, &out->p, s));

@@ -12,7 +12,6 @@
 #include "glare/sources.h"
 
 #include <stdbool.h>
-#include <stddef.h>
 
 // -- place.c ------------------------------------------------------------------
 

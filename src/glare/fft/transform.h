@@ -20,7 +20,6 @@
 
 #include "core/status.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 
 /* Lines that are transformed at once. */

@@ -243,7 +243,7 @@ static double mask_pixel(const struct gp_image *m, int x, int y)
     double sum = 0.0;
     for (int c = 0; c < 3; c++)
         sum += (double) m->luminance[c] * (double) m->rgb.c[c][at];
-    return fmin(fmax(sum, 0.0), 1.0);
+    return clamped(sum);
 }
 
 /* The mean of the mask over a cell around (x, y); its longer side is the
@@ -254,9 +254,8 @@ static double mask_share(const struct gp_image *m, double x, double y,
     const double w = gp_image_w(m), h = gp_image_h(m);
     const double scale = 0.5 * fmax(w, h);
     const int points = (int) fmin(ceil(2.0 * cell * scale), 8.0);
-    const double inside =
-        fmin(fmax(0.5 + (0.5 * w / scale - fabs(x)) / cell, 0.0), 1.0) *
-        fmin(fmax(0.5 + (0.5 * h / scale - fabs(y)) / cell, 0.0), 1.0);
+    const double inside = clamped(0.5 + (0.5 * w / scale - fabs(x)) / cell) *
+                          clamped(0.5 + (0.5 * h / scale - fabs(y)) / cell);
     double sum = 0.0;
     if (!(inside > 0.0))
         return 0.0;
@@ -566,7 +565,7 @@ static double edge_share(const struct eye *e, double u, double v, double r,
         c = next;
         edge += e->edge[i][0] * c + e->edge[i][1] * s;
     }
-    return fmin(fmax((edge * e->radius - r) / cell + 0.5, 0.0), 1.0);
+    return clamped((edge * e->radius - r) / cell + 0.5);
 }
 
 static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)

@@ -5,7 +5,6 @@
 
 #include "core/colour.h"
 #include "core/maths.h"
-#include "glare/fft/fft.h"
 #include "glare/model/model.h"
 #include "glare/curve.h"
 

@@ -7,7 +7,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 
 /* The profile p(t) of pixels away from the light; its own and those near it,

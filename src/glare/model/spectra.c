@@ -12,7 +12,6 @@
 #include "glare/fft/pass.h"
 #include "glare/model/model_priv.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 // -- autocorrelation ----------------------------------------------------------

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"

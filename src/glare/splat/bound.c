@@ -10,12 +10,10 @@
  * over the least that the exact layer can be. */
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "glare/fft/fft.h"
 #include "glare/splat/splat_priv.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Roundings of the factors of the sum, the polygon's light and the blurred
