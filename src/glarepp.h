@@ -859,7 +859,7 @@ struct glarepp_scene_facts {
     bool compared;              // both have one,
     double apart;               // pixels between them
     double sun_degrees;         // of the first sun, and
-    const char *sun_from;       // "scene" or "option"; NULL: no sun
+    const char *sun_from;       // "scene", "option", "default"; NULL: no sun
 };
 
 struct glarepp_relit {

@@ -103,12 +103,15 @@ void gp_api_scene_end(struct gp_api_scene **scene)
 
 // -- a frame's lights ---------------------------------------------------------
 
-/* Tests whether a sun has the scene's own size: it says one, and no option does. */
-static bool gives_size(const struct glarepp_plan *plan,
-                       const struct gp_scene_light *l)
+/* Returns the degrees that a sun is wide: the scene's own where no option says any. */
+static double size_of(const struct glarepp_plan *plan,
+                      const struct gp_scene_light *l, const char **from)
 {
     static const struct glarepp_light_params usual = GLAREPP_LIGHT_PARAMS;
-    return l->degrees > 0.0 && plan->sun.degrees == usual.degrees;
+    const bool option = plan->sun.degrees != usual.degrees;
+    const bool own = !option && l->degrees > 0.0;
+    *from = own ? "scene" : option ? "option" : "default";
+    return own ? l->degrees : (double) plan->sun.degrees;
 }
 
 /* Light of the scene as one of the frame. Its flux is that of a disc as bright
@@ -121,11 +124,11 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     const bool sun = l->kind == GP_LIGHT_DIRECTIONAL;
     struct gp_v3 to = gp_v3_scale(l->along, -1.0); // the light, from the eye
     struct glarepp_light spec = GLAREPP_LIGHT;
+    const char *from;
     const struct gp_v3 at = sun ? to : l->at;
     spec.place = sun ? GLAREPP_DIRECTION : GLAREPP_WORLD;
     memcpy(spec.at, (double[3]) {at.x, at.y, at.z}, sizeof spec.at);
-    spec.degrees =
-        gives_size(plan, l) ? l->degrees : (double) plan->sun.degrees;
+    spec.degrees = size_of(plan, l, &from);
     spec.ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size;
     memcpy(spec.name, l->name, sizeof spec.name);
     // of half the angle that the disc is seen under
@@ -284,12 +287,9 @@ gp_status gp_api_pose(struct glarepp_frame *f)
         own->has_camera ? &own->frame_camera : NULL;
     for (int i = 0; i < own->scene.lights; i++) {
         const struct gp_scene_light *const l = &own->scene.light[i];
-        if (l->kind == GP_LIGHT_DIRECTIONAL && !f->facts.scene.sun_from) {
-            const bool own_size = gives_size(f->plan, l);
-            f->facts.scene.sun_from = own_size ? "scene" : "option";
+        if (l->kind == GP_LIGHT_DIRECTIONAL && !f->facts.scene.sun_from)
             f->facts.scene.sun_degrees =
-                own_size ? l->degrees : (double) f->plan->sun.degrees;
-        }
+                size_of(f->plan, l, &f->facts.scene.sun_from);
         own->light[i] = spec_of(f->plan, l, c, f->image.display);
     }
     f->work->lights->suns.more = own->light;

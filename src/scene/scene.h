@@ -152,7 +152,8 @@ struct gp_scene_light {
     double ball;           // radius of its lamp, extras.ball_radius; 0: not
                            // given
     double degrees;        // that a sun is wide, of extras.angle_deg or
-                           // extras.angle, radians; 0: not given
+                           // extras.angle, radians, of its node, else its own;
+                           // 0: not given
     int node;
     char name[GP_SCENE_NAME]; // of the node, else of the light
 };

@@ -99,6 +99,20 @@ is "$(lights 'round(L["lamp"]["radius"], 2)')" 2.5 '--lamp-size'
 run --scene lamp.gltf --light-scale 0.01 --sun-in-frame --report r.json \
     --layer l.exr small.exr
 is "$(field r.json 'o["flux_in"][1]')" 0.0 'lamps that the frame shows already'
+# sun LIGHT NODE [OPTION...]: with these extras, and its size of the report
+sun()
+{
+    sed "s/\"point\",/\"directional\", \"extras\": {$1},/
+        s/\"name\": \"lamp\",/\"extras\": {$2},/" lamp.gltf >sun.gltf
+    shift 2
+    run "$@" --scene sun.gltf --report r.json small.exr
+    field r.json '"%s %.3f" % (o["scene"]["sun_from"], o["scene"]["sun_degrees"])'
+}
+
+is "$(sun '' '')" 'default 0.533' "a sun's usual size"
+is "$(sun '"angle_deg": 2' '')" 'scene 2.000' "a sun's size, of the light"
+is "$(sun '"angle_deg": 2' '"angle": 0.01')" 'scene 0.573' "but its node's wins"
+is "$(sun '"angle_deg": 2' '' --sun-size 3)" 'option 3.000' 'and an option'
 run --lamp-size 1 -o o.png small.exr
 fails_with 2 'lamp-size: needs --scene' 'an option of scenes without one'
 

@@ -152,6 +152,25 @@ out:
 
 // -- lights and cameras -------------------------------------------------------
 
+/* Reads a light's size from the extras of `o`, its node or itself. */
+static gp_status read_size(const struct gp_json_place *at, json_t *o,
+                           struct gp_scene_light *l)
+{
+    json_t *const extras = json_object_get(o, "extras");
+    double radians = 0.0;
+    gp_status st;
+    GP_TRY(gp_json_number(at, extras, "ball_radius", 0.0, MOST_PLACE,
+                          &l->ball));
+    if (l->kind != GP_LIGHT_DIRECTIONAL)
+        return GP_OK;
+    GP_TRY(gp_json_number(at, extras, "angle", 0.0, M_PI / 2, &radians));
+    if (radians > 0.0)
+        l->degrees = radians * (180.0 / M_PI);
+    GP_TRY(gp_json_number(at, extras, "angle_deg", 0.0, 90.0, &l->degrees));
+out:
+    return st;
+}
+
 /* Reads light `o` of KHR_lights_punctual. */
 static gp_status read_light(const struct gp_json_place *at, json_t *o,
                             struct gp_scene_light *l)
@@ -184,6 +203,7 @@ static gp_status read_light(const struct gp_json_place *at, json_t *o,
         GP_TRY(gp_gltf_fail(at, "\"innerConeAngle\" %g is over "
                             "\"outerConeAngle\" %g", l->inner, l->outer));
     gp_gltf_name(o, l->name);
+    GP_TRY(read_size(at, o, l));
 out:
     return st;
 }
@@ -268,17 +288,7 @@ static gp_status place_node(struct gp_gltf *g, int index,
         struct gp_scene_light *const l = &out->light[out->lights++];
         *l = defs[light];
         l->node = index;
-        json_t *const extras = json_object_get(o, "extras");
-        double radians = 0.0;
-        GP_TRY(gp_json_number(&at, extras, "ball_radius", 0.0, MOST_PLACE,
-                              &l->ball));
-        if (l->kind == GP_LIGHT_DIRECTIONAL) {
-            GP_TRY(
-                gp_json_number(&at, extras, "angle", 0.0, M_PI / 2, &radians));
-            l->degrees = radians * (180.0 / M_PI);
-            GP_TRY(gp_json_number(&at, extras, "angle_deg", 0.0, 90.0,
-                                  &l->degrees));
-        }
+        GP_TRY(read_size(&at, o, l));
         if (*name)
             memcpy(l->name, name, sizeof name);
     }

@@ -87,7 +87,9 @@ static void lights_have_the_defaults_of_their_extension(void **state)
         gm_write(
             "'extensions': {'KHR_lights_punctual': {'lights': [{'type': "
             "'point', 'name': 'bulb'}, {'type': 'spot', 'spot': {}, 'range'"
-            ": 4}, {'type': 'directional', 'color': [1, 0.5, 0]}]}}, "
+            ": 4}, {'type': 'directional', 'color': [1, 0.5, 0], 'extras': "
+            "{'angle_deg': "
+            "2}}]}}, "
             "'nodes': [{'extensions': {'KHR_lights_punctual': {'light': 0}"
             "}, 'translation': [1, 2, 3], 'extras': {'ball_radius': 0.25}}"
             ", {'name': 'a', 'extensions': {'KHR_lights_punctual': {'light"
@@ -99,7 +101,7 @@ static void lights_have_the_defaults_of_their_extension(void **state)
             "}}, 'extras': {'angle': 0.01}}]"),
         GLAREPP_UP_Y);
     assert_int_equal(s.lights, 6);
-    assert_true(s.light[3].degrees == 0.0 && s.light[4].degrees == 0.53);
+    assert_true(s.light[3].degrees == 2.0 && s.light[4].degrees == 0.53);
     assert_true(fabs(s.light[5].degrees - 0.5729578) < 1e-6);
     assert_int_equal(s.light[0].kind, GP_LIGHT_POINT);
     assert_string_equal(s.light[0].name, "bulb"); // the light's: no node's name
