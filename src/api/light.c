@@ -10,6 +10,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static gp_status read_picture(void *user, const struct gp_log *log,
@@ -77,27 +78,40 @@ static bool is_traced(const struct glarepp_frame *f, const struct gp_light *l)
              p->method == GLAREPP_EXACT && f->work->scene->scene.objects > 0));
 }
 
-/* Warns once where the frame's own planes say another share than the scene. */
-static void check_share(struct glarepp_frame *f, const struct gp_light *light)
+/* Warns once where the frame's own planes say another share than the scene: of the
+ * light that is furthest off. */
+static void check_shares(struct glarepp_frame *f)
 {
-    const struct gp_occluders *const o = &f->work->lights->suns.occluders;
-    struct gp_light own = *light;
-    own.traced = false;
-    if (!light->traced || (!o->depth && !o->mask && !o->deep))
+    const struct gp_suns *const suns = &f->work->lights->suns;
+    const struct gp_occluders *const o = &suns->occluders;
+    struct gp_light worst = {0};
+    double most = 0.0;
+    int more = -1;
+    char others[32] = "";
+    for (int i = 0; (o->depth || o->mask || o->deep) && i < suns->n; i++) {
+        struct gp_light own = suns->light[i];
+        if (!own.traced)
+            continue;
+        own.traced = false;
+        gp_sun_exact(o, GLAREPP_IGNORE, &own, 1);
+        gp_sun_interval(o, GLAREPP_IGNORE, &own, 1); // any share outside of it
+        const double apart = fmax(own.low - own.outside - own.outside_error,
+                                  own.outside - own.outside_error - own.high);
+        more += own.in_frame && apart > 0.0;
+        if (own.in_frame && apart > most) {
+            most = apart;
+            worst = own;
+        }
+    }
+    if (more < 0 || !gp_api_says(&f->plan->said, GP_SAID_SHARE))
         return;
-    gp_sun_exact(o, GLAREPP_IGNORE, &own, 1);
-    gp_sun_interval(o, GLAREPP_IGNORE, &own, 1); // any share outside of it
-    const double apart = fmax(own.low - light->outside - light->outside_error,
-                              light->outside - light->outside_error - own.high);
-    if (!own.in_frame || !(apart > 0.0) ||
-        !gp_api_says(&f->plan->said, GP_SAID_SHARE))
-        return;
+    if (more)
+        snprintf(others, sizeof others, " (%d more differ)", more);
     gp_say_at(&f->log, GP_LEVEL_WARN, "lights.share_by.scene",
-              "%s: the scene shows "
-              "%.3f of the light %s%sat %.1f,%.1f, and the frame's planes %.3f "
-              "to %.3f: one has what the other has not",
-              f->sink.name, light->outside, light->name,
-              light->name[0] ? " " : "", light->x, light->y, own.low, own.high);
+              "%s: the scene shows %.3f of the light %s%sat %.1f,%.1f, and the "
+              "frame %.3f to %.3f%s: one has what the other has not",
+              f->sink.name, worst.outside, worst.name, worst.name[0] ? " " : "",
+              worst.x, worst.y, worst.low, worst.high, others);
 }
 
 /* Sets each light's clear share by the scene's rays: outside of the frame, or of
@@ -131,8 +145,8 @@ static gp_status measure_by_scene(struct glarepp_frame *f)
             return st;
         l->outside = share.clear;
         l->outside_error = 3.0 * share.error;
-        check_share(f, l);
     }
+    check_shares(f);
     return GP_OK;
 }
 

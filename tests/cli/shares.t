@@ -91,6 +91,10 @@ run --scene "$street" --report r.json still.1004.exr
 is "$(lamps 'L["lamp5"]["visibility"]')" 0.0 'what only the scene has hides'
 is "$(grep -c 'the scene shows 0.000 of the light lamp5 at' err)" 1 \
     'one warning names the light'
+frame still.1003.exr channels=R,G,B,Z:float kind=dark size=640x360
+run --scene "$street" --report r.json still.1003.exr
+like "$(cat err)" '*shows 0.000 of the light lamp5 at *1.000 (3 more differ)*' \
+    'of several the one that is furthest off, after lamp3 at 0.963'
 run --scene "$street" --sun-share depth --report r.json still.1004.exr
 is "$(lamps '(L["lamp5"]["visibility"], o["sun_method"])'; cat err)" \
     "(1.0, 'exact')" 'or the frame, without a warning'
