@@ -421,7 +421,7 @@ enum glarepp_outside {  // the part of a light outside the frame
 };
 enum { // what hides lights whose place in the world is known, in a frame with a scene
     GLAREPP_SHARES_AUTO, // its geometry, where BY_SCENE, EXACT and some is there
-    GLAREPP_SHARES_FRAME, // in the frame, DEPTH and COVERAGE
+    GLAREPP_SHARES_FRAME, // in the frame, DEPTH and COVERAGE, or DEEP
     GLAREPP_SHARES_SCENE, // its geometry; what the frame says is only a check
 };
 enum glarepp_depth { GLAREPP_Z, GLAREPP_RAY, GLAREPP_INVERSE,

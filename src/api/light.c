@@ -74,8 +74,8 @@ static bool is_traced(const struct glarepp_frame *f, const struct gp_light *l)
     return p->outside == GLAREPP_BY_SCENE && f->work->scene && l->sight.known &&
            (l->sight.lamp || isinf(l->depth)) &&
            (p->share_by == GLAREPP_SHARES_SCENE ||
-            (!f->deep.first && p->share_by == GLAREPP_SHARES_AUTO &&
-             p->method == GLAREPP_EXACT && f->work->scene->scene.objects > 0));
+            (p->share_by == GLAREPP_SHARES_AUTO && p->method == GLAREPP_EXACT &&
+             f->work->scene->scene.objects > 0));
 }
 
 /* Warns once where the frame's own planes say another share than the scene: of the

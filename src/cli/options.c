@@ -268,10 +268,11 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_LIGHT | GP_NEED_SCENE, ONE_OF(
         {"auto", GLAREPP_SHARES_AUTO, "the scene, if it has objects, "
          "--sun-outside is scene and --sun-method exact; else the frame"},
-        {"depth", GLAREPP_SHARES_FRAME, "in the frame, its depth and coverage"},
+        {"depth", GLAREPP_SHARES_FRAME, "in the frame, its depth and coverage, or "
+         "deep samples"},
         {"scene", GLAREPP_SHARES_SCENE,
          "rays through the scene, in the frame too; a warning names a light "
-         "whose share by depth and coverage is another"})),
+         "whose share by the frame is another"})),
     OPT(sun.p.adapt, "sun-adapt", IN(SUN, MAIN), "F",
         "Dim the picture by F times the visible share, as the pupil does",
         .needs = GP_NEED_LIGHT, .hi = 1),

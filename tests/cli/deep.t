@@ -38,6 +38,31 @@ is "$(field 1.json 'o["lights"]')" "$(field r.json 'o["lights"]')" \
 run --lights lights.json --depth-file plain.exr --report r.json deep.exr
 like "$(field r.json 'o["sun_edges"]')" 'depth alone: *' 'but depth by name rules'
 
+# a scene before them, a wall beyond all: its rays are taken, samples are the check
+cat >wall.gltf <<'JSON'
+{"asset": {"version": "2.0"}, "cameras": [{"type": "perspective",
+ "perspective": {"yfov": 1.5707963267948966, "znear": 1}}],
+ "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}},
+ "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,@"}],
+ "bufferViews": [{"buffer": 0, "byteLength": 36}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+ "nodes": [{"camera": 0}, {"mesh": 0, "translation": [0, 0, -90]}, {"name": "lamp",
+ "translation": [0, 0, -50], "extras": {"ball_radius": 8},
+ "extensions": {"KHR_lights_punctual": {"light": 0}}}]}
+JSON
+sed "s,@,$("$python" -c 'import base64, struct
+print(base64.b64encode(struct.pack("<9f", -9, -9, 0, 9, -9, 0, 0, 9, 0)).decode())')," \
+    wall.gltf >scene.gltf
+run --scene scene.gltf --deep deep.exr --report r.json plain.exr
+is "$(field r.json 'o["lights"][0]["visibility"], o["sun_method"]'
+    grep -c 'shows 1.000 of the light lamp at .* and the frame 0' err)" \
+    "(1.0, 'scene')
+1" 'a scene wins over deep samples, which are the check'
+run --scene scene.gltf --deep deep.exr --sun-share depth --report r.json plain.exr
+is "$(field r.json 'o["lights"][0]["visibility"] < 1, o["sun_method"]'; cat err)" \
+    "(True, 'exact')" 'unless the frame is asked'
+
 # -- pictures ------------------------------------------------------------------
 
 for name in deep other; do
