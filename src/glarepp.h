@@ -420,7 +420,7 @@ enum glarepp_outside {  // the part of a light outside the frame
     GLAREPP_IGNORE, GLAREPP_VISIBLE, GLAREPP_HIDDEN, GLAREPP_BY_SCENE,
 };
 enum { // what hides lights whose place in the world is known, in a frame with a scene
-    GLAREPP_SHARES_AUTO, // its geometry, where BY_SCENE, EXACT and some is there
+    GLAREPP_SHARES_AUTO,  // its geometry, where EXACT and some is there
     GLAREPP_SHARES_FRAME, // in the frame, DEPTH and COVERAGE, or DEEP
     GLAREPP_SHARES_SCENE, // its geometry; what the frame says is only a check
 };

@@ -67,11 +67,12 @@ static struct gp_eye_disc disc_of(const struct gp_light *l, struct gp_v3 eye)
                : gp_eye_sun(eye, at, s->half);
 }
 
-/* Tests whether the scene's rays are for all of a light: it has a place there. */
+/* Tests whether the scene's rays are for all of a light, or all in the frame: it has a
+ * place there. */
 static bool is_traced(const struct glarepp_frame *f, const struct gp_light *l)
 {
     const struct glarepp_light_params *const p = &f->plan->sun;
-    return p->outside == GLAREPP_BY_SCENE && f->work->scene && l->sight.known &&
+    return f->work->scene && l->sight.known &&
            (l->sight.lamp || isinf(l->depth)) &&
            (p->share_by == GLAREPP_SHARES_SCENE ||
             (p->share_by == GLAREPP_SHARES_AUTO && p->method == GLAREPP_EXACT &&
@@ -115,13 +116,15 @@ static void check_shares(struct glarepp_frame *f)
 }
 
 /* Sets each light's clear share by the scene's rays: outside of the frame, or of
- * all of it. */
-static gp_status measure_by_scene(struct glarepp_frame *f)
+ * all of it; where another rule is for what is outside, of those traced only. */
+static gp_status measure_by_scene(struct glarepp_frame *f, int traced)
 {
+    const enum glarepp_outside by = f->plan->sun.outside;
+    const bool ruled = by != GLAREPP_BY_SCENE;
     struct gp_api_scene *const scene = f->work->scene;
     struct gp_suns *const suns = &f->work->lights->suns;
     const struct gp_rect known = suns->occluders.frame;
-    if (f->plan->sun.outside != GLAREPP_BY_SCENE || suns->n == 0)
+    if (suns->n == 0 || (ruled && traced == 0))
         return GP_OK;
     if (!scene || !scene->has_camera)
         return gp_api_refuse(
@@ -129,22 +132,32 @@ static gp_status measure_by_scene(struct glarepp_frame *f)
             "shares outside of the frame by a scene need a camera (the frame "
             "has no worldToNDC, %s no camera)",
             f->plan->scene.path);
-    const struct gp_eye_window window = {&scene->frame_camera,
-                                         f->image.display, known};
+    const struct gp_eye_window window = {&scene->frame_camera, f->image.display,
+                                         known, ruled};
     const struct gp_v3 eye = gp_camera_eye(&scene->frame_camera);
     for (int i = 0; i < suns->n; i++) {
         struct gp_light *const l = &suns->light[i];
         const struct gp_eye_disc disc = disc_of(l, eye);
         struct gp_eye_share share;
-        gp_status st = gp_eye_rays(&f->log, &scene->scene, &scene->meshes,
-                                   &disc, l->traced ? NULL : &window, &share);
-        if (!st && share.outside == 0.0 && leaves(l, known))
+        if (ruled && !l->traced)
+            continue;
+        gp_status st =
+            gp_eye_rays(&f->log, &scene->scene, &scene->meshes, &disc,
+                        l->traced && !ruled ? NULL : &window, &share);
+        if (!st && !ruled && share.part == 0.0 && leaves(l, known))
             st = gp_eye_rays(&f->log, &scene->scene, &scene->meshes, &disc,
                              NULL, &share);
         if (st)
             return st;
         l->outside = share.clear;
         l->outside_error = 3.0 * share.error;
+        if (!ruled)
+            continue;
+        const double rest = 1.0 - share.part; // whose share is not known
+        if (by != GLAREPP_IGNORE || share.part == 0.0)
+            l->outside = share.part * share.clear +
+                         (by == GLAREPP_VISIBLE && !l->behind ? rest : 0.0);
+        l->outside_error = share.part * l->outside_error + rest;
     }
     check_shares(f);
     return GP_OK;
@@ -219,7 +232,7 @@ gp_status gp_api_shares(struct glarepp_frame *f)
                      f->mask.v ? &f->mask : NULL,
                      f->deep.first ? &f->deep : NULL, suns);
     f->hidden = true;
-    gp_status st = measure_by_scene(f);
+    gp_status st = measure_by_scene(f, traced);
     if (!st)
         st = gp_suns_measure(&f->log, suns);
     if (!st && suns->gl)

@@ -381,12 +381,10 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
         GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "lights.outside", "lights: "
                           "shares by a scene, and there is none"));
     if (plan->sun.share_by == GLAREPP_SHARES_SCENE &&
-        (plan->sun.outside != GLAREPP_BY_SCENE ||
-         plan->sun.method != GLAREPP_EXACT))
+        (!plan->scene.path || plan->sun.method != GLAREPP_EXACT))
         GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "lights.share_by",
-                          "lights: "
-                          "shares by a scene's rays, and by another rule for "
-                          "what is outside, or by GL"));
+                          "lights: shares by a scene's rays, and no scene, or "
+                          "by GL"));
     GP_TRY(take_kernels(plan, &p));
     GP_TRY(take_tone(plan, p.tone));
     GP_TRY(gp_api_lend(plan, &work)); // so that errors of it come first

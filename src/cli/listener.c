@@ -66,8 +66,7 @@ static const struct hint hints[] = {
     HINT("lights.ndc", "give --camera FILE")
     HINT("lights.needed", "give --sun, --sun-dir or --lights")
     HINT("lights.outside", "give --camera FILE, or --sun-outside ignore")
-    HINT("lights.share_by", "leave --sun-outside and --sun-method out, or use "
-         "--sun-share depth")
+    HINT("lights.share_by", "leave --sun-method out, or use --sun-share depth")
     HINT("lights.share_by.scene", "use --sun-share depth to take the frame's")
     HINT("lights.side", "use a smaller --sun-map, or --sun-method exact")
     HINT("lights.sun", "give --sun-color, e.g. --sun-color 5e4")

@@ -266,13 +266,13 @@ const struct gp_option gp_options[] = {
     CHOICE(sun.p.share_by, "sun-share", IN(SUN, MAIN), "HOW",
         "Hide lights that have a place in the scene by this",
         .needs = GP_NEED_LIGHT | GP_NEED_SCENE, ONE_OF(
-        {"auto", GLAREPP_SHARES_AUTO, "the scene, if it has objects, "
-         "--sun-outside is scene and --sun-method exact; else the frame"},
+        {"auto", GLAREPP_SHARES_AUTO, "the scene, if it has objects and "
+         "--sun-method is exact; else the frame"},
         {"depth", GLAREPP_SHARES_FRAME, "in the frame, its depth and coverage, or "
          "deep samples"},
         {"scene", GLAREPP_SHARES_SCENE,
-         "rays through the scene, in the frame too; a warning names a light "
-         "whose share by the frame is another"})),
+         "rays through the scene; a warning names a light whose share by the "
+         "frame is another"})),
     OPT(sun.p.adapt, "sun-adapt", IN(SUN, MAIN), "F",
         "Dim the picture by F times the visible share, as the pupil does",
         .needs = GP_NEED_LIGHT, .hi = 1),

@@ -84,7 +84,7 @@ struct samples {
     struct row_sums row[LAST];
 };
 
-/* Returns true when the window shows a unit direction. */
+/* Returns true when the window shows a unit direction, or is turned and does not. */
 static bool inside(const struct samples *m, struct gp_v3 along)
 {
     const struct gp_eye_window *const w = m->window;
@@ -93,8 +93,8 @@ static bool inside(const struct samples *m, struct gp_v3 along)
         return false;
     const struct gp_projected p =
         gp_camera_project(w->camera, w->display, world, 0.0);
-    return !p.behind && p.x >= w->known.x0 && p.x < w->known.x1 &&
-           p.y >= w->known.y0 && p.y < w->known.y1;
+    return (!p.behind && p.x >= w->known.x0 && p.x < w->known.x1 &&
+            p.y >= w->known.y0 && p.y < w->known.y1) != w->turned;
 }
 
 static double along_view(const struct samples *m, struct gp_v3 along)
@@ -240,7 +240,7 @@ static void cast(struct samples *s, struct gp_eye_share *out)
         sum.outside += s->row[y].outside;
         sum.clear += s->row[y].clear;
     }
-    out->outside = sum.outside / sum.all;
+    out->part = sum.outside / sum.all;
     out->clear = sum.outside > 0.0 ? fmin(sum.clear / sum.outside, 1.0) : 1.0;
     // a cell's ray is one draw of its share p: p (1 - p) is at most 1/4
     const int edges = edge_cells(s, &n);
@@ -254,7 +254,7 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
 {
     const int levels = d->half > 0.0 ? LEVELS : 1;
     struct samples *level = NULL;
-    struct gp_eye_share share = {.clear = 1.0, .outside = 1.0};
+    struct gp_eye_share share = {.clear = 1.0, .part = 1.0};
     int *object = NULL, objects = 0;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "rays to a light", 1, sizeof *level, &level));
@@ -262,7 +262,7 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
                     sizeof *object, &object));
     set_disc(level, d, window);
     const bool whole = !level->cut && inside(level, d->to);
-    share.outside = whole ? 0.0 : 1.0;
+    share.part = whole ? 0.0 : 1.0;
     for (int i = 0; i < s->objects && !whole; i++) {
         object[objects] = i;
         objects += meets_sphere(d, &s->object[i]);

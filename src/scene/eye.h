@@ -31,15 +31,16 @@ struct gp_eye_window {
     const struct gp_camera *camera; // its eye is the disc's
     struct gp_rect display;         // as for gp_camera_project()
     struct gp_rect known;           // pixels; empty: none
+    bool turned; // it asks for the part of a disc inside of it
 };
 
 /* Numbers that gp_eye_rays() finds. */
 struct gp_eye_share {
-    double clear;   // share of the disc's part outside the window that shows,
-                    // 0 to 1; 1 where no part is outside
-    double outside; // share of the disc outside the window, 0 to 1
-    double error;   // of `clear`: one standard deviation of the samples, at
-                    // most
+    double
+        clear; // share of the disc's part outside the window that shows, 0 to 1;
+               // 1 where no part is outside
+    double part;  // share of the disc that it is, 0 to 1
+    double error; // of `clear`: one standard deviation of the samples, at most
 };
 
 /* Casts rays in double through the triangles of E; materials are tested as

@@ -408,7 +408,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
         if (l->behind || l->traced) {
-            l->visibility = outside == GLAREPP_BY_SCENE ? l->outside : 0.0;
+            l->visibility =
+                l->traced || outside == GLAREPP_BY_SCENE ? l->outside : 0.0;
             continue;
         }
         struct sums s = sums_of(o, l, false);
@@ -425,9 +426,9 @@ void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
 void gp_sun_interval(const struct gp_occluders *o, enum glarepp_outside outside,
                      struct gp_light *light, int n)
 {
-    const bool scene = outside == GLAREPP_BY_SCENE;
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
+        const bool scene = l->traced || outside == GLAREPP_BY_SCENE;
         const double lo = scene ? fmax(l->outside - l->outside_error, 0.0)
                                 : 0.0;
         const double hi = scene ? fmin(l->outside + l->outside_error, 1.0)

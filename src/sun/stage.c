@@ -172,8 +172,7 @@ gp_status gp_suns_find(const struct gp_log *log,
     const int read = p->lights + suns->reads, all = read + suns->mores;
     const struct gp_camera_frame *entry;
     struct gp_camera camera;
-    bool found = false, needed = p->cameras || suns->mores > 0 ||
-                                 p->outside == GLAREPP_BY_SCENE;
+    bool found = false, needed = p->cameras || suns->mores > 0 || suns->camera;
     gp_status st;
     GP_FREE(suns->light);
     suns->n = suns->placed = 0;
@@ -281,18 +280,19 @@ static void warn_of_window(const struct gp_log *log, const struct gp_plane *p,
 }
 
 /* Warns once of lights before which the frame has nothing. Those that a scene
- * measures outside of it do not count. */
+ * measures do not count. */
 static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
                           struct gp_suns *suns)
 {
     const bool scene = suns->p->outside == GLAREPP_BY_SCENE;
     const struct gp_rect r = suns->occluders.frame;
-    bool any = !scene && suns->n;
-    for (int i = 0; scene && i < suns->n; i++) {
+    bool any = false;
+    for (int i = 0; i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
-        any = any || (!l->behind && !l->traced && l->x + l->radius > r.x0 &&
-                      l->x - l->radius < r.x1 && l->y + l->radius > r.y0 &&
-                      l->y - l->radius < r.y1);
+        any |= !l->traced &&
+               (!scene || (!l->behind && l->x + l->radius > r.x0 &&
+                           l->x - l->radius < r.x1 && l->y + l->radius > r.y0 &&
+                           l->y - l->radius < r.y1));
     }
     if (!any || suns->occluders.depth || suns->occluders.mask ||
         suns->occluders.deep || suns->warned_clear)

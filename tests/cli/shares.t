@@ -98,9 +98,25 @@ like "$(cat err)" '*shows 0.000 of the light lamp5 at *1.000 (3 more differ)*' \
 run --scene "$street" --sun-share depth --report r.json still.1004.exr
 is "$(lamps '(L["lamp5"]["visibility"], o["sun_method"])'; cat err)" \
     "(1.0, 'exact')" 'or the frame, without a warning'
-run --scene "$street" --sun-share scene --sun-outside hidden --report r.json \
+# of lamp1 in the frame, lamp3 and lamp6 beside it, lamp4 behind the camera, lamp5
+# hidden in it
+for row in 'visible [1.0,1.0,1.0,0.0,0.0]' 'hidden [1.0,0.0,0.0,0.0,0.0]' \
+    'ignore [1.0,0.0,0.0,0.0,0.0]'; do
+    run -q --scene "$street" --sun-outside ${row%% *} --report r.json still.1004.exr
+    is "$(lamps '[L[k]["visibility"] for k in ("lamp1", "lamp3", "lamp6", "lamp4",
+        "lamp5")]' | tr -d ' ')$(lamps '(L["lamp3"]["interval"], o["sun_method"])')" \
+        "${row#* }([0.0, 1.0], 'scene')" "rays in the frame, ${row%% *} beside it"
+done
+# the border cuts a quarter of lamp3, and something hides a part of it in the frame
+for row in 'scene 0.95' 'visible 0.95' 'hidden 0.71' 'ignore 0.94'; do
+    run -q --scene "$street" --scene-start -0.1 --sun-outside ${row%% *} \
+        --report r.json still.1003.exr
+    is "$(lamps 'round(L["lamp3"]["visibility"], 2)')" "${row#* }" \
+        "a lamp that the border cuts, ${row%% *} beside it"
+done
+run --scene "$street" --sun-share scene --sun-method readback --report r.json \
     still.1004.exr
-fails_with 2 'leave --sun-outside' 'a scene, and another rule beside it'
+fails_with 2 'leave --sun-method' 'a scene by rays, and by GL'
 run --scene "$street" --sun-method readback --report r.json still.1004.exr
 is "$(field r.json 'o["sun_method"]')" readback 'a method is of the frame'
 echo '[{"name": "near", "pixel": [300, 200], "radius": 4, "depth": 9}]' >near.json

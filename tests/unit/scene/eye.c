@@ -58,7 +58,7 @@ static void edge_of_a_wall(void **state)
             (struct gp_v3) {0, 0, 0}, (struct gp_v3) {0, 1, 0}, half);
         const struct gp_eye_share got = share_of(&s, &d, NULL);
         const double off = fabs(got.clear - segment(h));
-        assert_true(got.outside == 1.0);
+        assert_true(got.part == 1.0);
         assert_true(got.error <= 5e-4);
         worst = fmax(worst, off);
         sum += off;
@@ -164,22 +164,22 @@ static void windows_are_left_out(void **state)
                                  edge.y * cos(t) - edge.x * sin(t), 0.0};
         const struct gp_eye_disc d =
             gp_eye_sun((struct gp_v3) {0, 0, 0}, to, half);
-        const struct gp_eye_window w = {&c, display, display};
+        const struct gp_eye_window w = {&c, display, display, false};
         const struct gp_eye_share got = share_of(&s, &d, &w);
-        near_to("outside", got.outside, row[i].outside, 0.005);
+        near_to("outside", got.part, row[i].outside, 0.005);
         assert_true(got.clear == (row[i].outside > 0.0 ? 0.0 : 1.0));
-        const struct gp_eye_window none = {&c, display, {0, 0, 0, 0}};
-        assert_true(share_of(&s, &d, &none).outside == 1.0);
+        const struct gp_eye_window none = {&c, display, {0, 0, 0, 0}, false};
+        assert_true(share_of(&s, &d, &none).part == 1.0);
     }
     // area in the picture: a disc cut by the frame has there the share of its
     // ellipse, not of its solid angle
     const struct gp_eye_disc wide =
         gp_eye_sun((struct gp_v3) {0, 0, 0}, edge, 0.5);
-    const struct gp_eye_window w = {&c, display, {-100000, -100000, 640,
-                                                  100000}};
+    const struct gp_eye_window w = {
+        &c, display, {-100000, -100000, 640, 100000}, false};
     const double world[3] = {edge.x, edge.y, edge.z};
     assert_true(gp_camera_disc(&c, display, world, 57.0) > 0.0);
-    assert_true(share_of(&s, &wide, &w).outside > 0.55);
+    assert_true(share_of(&s, &wide, &w).part > 0.55);
     made_free(&s);
 }
 
