@@ -244,7 +244,8 @@ static gp_status take_deep(struct glarepp_frame *f,
     const struct glarepp_stored *const s = image->plane[0];
     const struct glarepp_rect w = s ? s->data : (struct glarepp_rect) {0};
     struct gp_deep d = {.window = {w.x0, w.y0, w.x1, w.y1},
-                        .first = s ? s->first : NULL};
+                        .first = s ? s->first : NULL,
+                        .name = s ? s->name : NULL};
     const float **const to[] = {&d.z, &d.alpha, &d.back};
     static const char *const name[] = {"Z", "A", "ZBack"};
     for (int i = 0; s && i < s->channels; i++) {

@@ -143,19 +143,18 @@ gp_status gp_read_samples(const struct gp_run *r, struct gp_frame_state *fs)
     const struct gp_sun_settings *const sun = &s->sun;
     const struct gp_rect *const w = &fs->deep.data;
     struct glarepp_image v = GLAREPP_IMAGE;
-    char *name = NULL;
     gp_status st = GP_OK;
     bool found;
     if (!sun->deep && (sun->mask || sun->mask_file || sun->depth_file ||
                        s->input.depth || sun->p.method != GLAREPP_EXACT))
         return GP_OK;
     if (sun->deep)
-        GP_TRY(gp_job_beside(fs->log, fs->job, sun->deep, &name));
-    GP_TRY(gp_read_deep(fs->log, &s->input.read, &fs->file, name, &fs->deep,
-                        &found));
+        GP_TRY(gp_job_beside(fs->log, fs->job, sun->deep, &fs->deep_name));
+    GP_TRY(gp_read_deep(fs->log, &s->input.read, &fs->file, fs->deep_name,
+                        &fs->deep, &found));
     struct glarepp_stored deep = {
         .size = sizeof deep,
-        .name = name,
+        .name = fs->deep_name,
         .data = {w->x0, w->y0, w->x1, w->y1},
         .channel = fs->deep.channel,
         .channels = fs->deep.channels,
@@ -165,6 +164,5 @@ gp_status gp_read_samples(const struct gp_run *r, struct gp_frame_state *fs)
     if (found)
         st = (gp_status) glarepp_frame_set(fs->frame, GLAREPP_DEEP, &v);
 out:
-    free(name);
     return st;
 }

@@ -43,6 +43,7 @@ struct gp_frame_state {
     struct gp_frame source;        // of --source; path NULL: none
     struct gp_plane depth, mask, normal[3], albedo[3], source_mask;
     struct gp_stored_image deep;
+    char *deep_name; // its file, if that is not the frame's; owned
     struct glarepp_frame *frame;   // borrows the planes of all of these
     bool converted;                // its layers are in --output-space
     struct glarepp_plan *plan;     // of its numbers; borrowed

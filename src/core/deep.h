@@ -19,6 +19,7 @@ struct gp_deep {
     const float *back;  // its end, if that is over z: a volume; NULL: none are
     const float *alpha; // cut to 0 to 1, NaN 0
     const float *colour[3]; // times alpha; NULL: none
+    const char *name;       // of another file than the frame's; else NULL
 };
 
 /* Returns the share of light from `depth`, in the unit of z and beyond all for

@@ -260,23 +260,23 @@ out:
     return st;
 }
 
-/* Warns of a plane from another file that does not cover the frame: it may be
- * the wrong file. */
-static void warn_of_window(const struct gp_log *log, const struct gp_plane *p,
-                           const struct gp_image *f, struct gp_suns *suns)
+/* Warns of a plane from another file, which has a name, that does not cover the frame:
+ * it may be the wrong file. */
+static void warn_of_window(const struct gp_log *log, const char *name,
+                           struct gp_rect w, const struct gp_image *f,
+                           struct gp_suns *suns)
 {
-    const struct gp_rect own = gp_image_read(f);
-    if (!p || !p->name || suns->warned_window)
+    const struct gp_rect own = gp_image_read(f), common = gp_rect_meet(w, own);
+    if (!name || suns->warned_window)
         return;
-    const struct gp_rect common = gp_rect_meet(p->window, own);
     if (memcmp(&common, &own, sizeof common) == 0)
         return;
     suns->warned_window = true;
     gp_say(log, GP_LEVEL_WARN,
            "%s: does not cover %s (its window is %dx%d at %d,%d, the frame's "
-           "%dx%d at %d,%d); the rest counts as empty", p->name, f->path,
-           gp_rect_w(p->window), gp_rect_h(p->window), p->window.x0,
-           p->window.y0, gp_rect_w(own), gp_rect_h(own), own.x0, own.y0);
+           "%dx%d at %d,%d); the rest counts as empty",
+           name, f->path, gp_rect_w(w), gp_rect_h(w), w.x0, w.y0,
+           gp_rect_w(own), gp_rect_h(own), own.x0, own.y0);
 }
 
 /* Warns once of lights before which the frame has nothing. Those that a scene
@@ -307,8 +307,12 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
                   const struct gp_deep *deep, struct gp_suns *suns)
 {
-    warn_of_window(log, depth, f, suns);
-    warn_of_window(log, mask, f, suns);
+    if (depth)
+        warn_of_window(log, depth->name, depth->window, f, suns);
+    if (mask)
+        warn_of_window(log, mask->name, mask->window, f, suns);
+    if (deep)
+        warn_of_window(log, deep->name, deep->window, f, suns);
     suns->occluders = (struct gp_occluders) {
         .depth = depth,
         .mask = mask,

@@ -37,6 +37,10 @@ is "$(field 1.json 'o["lights"]')" "$(field r.json 'o["lights"]')" \
     'and its own samples hide lights'
 run --lights lights.json --depth-file plain.exr --report r.json deep.exr
 like "$(field r.json 'o["sun_edges"]')" 'depth alone: *' 'but depth by name rules'
+frame wide.exr channels=R,G,B,Z:float kind=dark size=128x64
+run --lights lights.json --deep deep.exr --report r.json wide.exr
+is "$(grep -c 'deep.exr: does not cover wide.exr (its window is 96x64' err)" 1 \
+    'a deep file of another size is said'
 
 # a scene before them, a wall beyond all: its rays are taken, samples are the check
 cat >wall.gltf <<'JSON'
