@@ -367,9 +367,9 @@ const struct gp_option gp_options[] = {
         "Read coverage from this file (or pattern)", .needs = GP_NEED_LIGHT),
     OPT(sun.deep, "deep", IN(SUN, MAIN), "FILE",
         "Hide lights by the alpha that the samples of this deep EXR (or "
-        "pattern) have before them, in place of depth and coverage; without "
-        "it, by a deep part of the frame's own, unless --depth, --mask or "
-        "their files are given", .needs = GP_NEED_LIGHT),
+        "pattern) have before their depth less its \"bias\", in place of depth "
+        "and coverage; without it, by a deep part of the frame's own, unless "
+        "--depth, --mask or their files are given", .needs = GP_NEED_LIGHT),
 
     OPT(light.layer.engine, "engine", IN(ENGINE, MAIN), "NAME",
         "Compute the glare layer with this engine; all make the same layer "

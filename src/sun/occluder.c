@@ -434,6 +434,11 @@ void gp_sun_interval(const struct gp_occluders *o, enum glarepp_outside outside,
         const double hi = scene ? fmin(l->outside + l->outside_error, 1.0)
                                 : 1.0;
         struct sums s = l->behind ? (struct sums) {0} : sums_of(o, l, true);
+        if (o->deep && s.area > 0.0) { // samples may be around the light itself
+            struct gp_light exact = *l;
+            exact.bias = 0.0;
+            s.low = sums_of(o, &exact, true).low;
+        }
         l->in_frame = s.area > 0.0;
         if (l->traced)
             s = (struct sums) {0};

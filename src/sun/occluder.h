@@ -72,7 +72,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum glarepp_outside outside,
  * pixel at an edge hidden, and with every one clear. A pixel is at an edge where its
  * coverage is not 0 or 1; by depth alone, where one of its eight neighbours shows
  * another share; with both, there too if it or that neighbour has a surface that is
- * not nearer than the light. Deep pixels that are wholly in the disc show their share.
+ * not nearer than the light. Deep pixels that are wholly in the disc show their share:
+ * at most that of bias, at least that without.
  * Outside of the frame, and behind the camera, a light may be hidden or clear;
  * with GLAREPP_BY_SCENE it is gp_light.outside within its error. */
 void gp_sun_interval(const struct gp_occluders *o, enum glarepp_outside outside,

@@ -37,6 +37,16 @@ is "$(field 1.json 'o["lights"]')" "$(field r.json 'o["lights"]')" \
     'and its own samples hide lights'
 run --lights lights.json --depth-file plain.exr --report r.json deep.exr
 like "$(field r.json 'o["sun_edges"]')" 'depth alone: *' 'but depth by name rules'
+# a lamp in the middle of smoke of alpha 0.99, so that 0.1 shows; its bias is a tenth of
+# the smoke
+(cd "$cli" && "$python" -c 'import deep, sys
+deep.write(sys.argv[1], [[[(99.5, 100.5, 0.99)]] * deep.W] * deep.H, list)' \
+    "$tmp/smoke.exr")
+echo '[{"pixel": [40.5, 20.5], "radius": 3, "depth": 100}]' >lamp.json
+run --lights lamp.json --deep smoke.exr --report r.json plain.exr
+is "$(field r.json '(lambda l: (round(l["visibility"], 3), l["interval"][0] < 0.1001,
+    l["interval"][1] > 0.158))(o["lights"][0])')" '(0.158, True, True)' \
+    'the interval holds what shows with a bias and without'
 frame wide.exr channels=R,G,B,Z:float kind=dark size=128x64
 run --lights lights.json --deep deep.exr --report r.json wide.exr
 is "$(grep -c 'deep.exr: does not cover wide.exr (its window is 96x64' err)" 1 \
