@@ -9,6 +9,7 @@
 
 #include <glarepp.h>
 #include <math.h>
+#include <string.h>
 
 static const double FIXATED = 0.5; // degrees from the middle of the fixated one
 static const double OVER_MEAN = 5.0; // a glare source is this times the mean
@@ -188,6 +189,15 @@ static int find_sources(const struct pass *s, struct sums *cell,
 
 // -- all of it ------------------------------------------------------------------
 
+/* Tests whether the direction of a place is shown there, and is not another's. */
+static bool has_direction(const struct gp_projection *p, const double at[2])
+{
+    double back[2];
+    return gp_projection_place(p, gp_projection_direction(p, at[0], at[1]),
+                               back) &&
+           gp_hypot(back[0] - at[0], back[1] - at[1]) < 1e-3;
+}
+
 static double log10_of(double x)
 {
     return gp_log(x) / M_LN10;
@@ -225,6 +235,11 @@ gp_status gp_veil_measure(const struct gp_log *log,
     struct sums all = {0}, source = {0}, *cell = NULL;
     double glare = 0.0;
     gp_status st;
+    if (!has_direction(&p->projection, p->at)) {
+        memset(&out->veil, 0, sizeof out->veil);
+        out->veil.missing = "the place that the eye looks at has no direction";
+        return GP_OK;
+    }
     GP_TRY(
         gp_alloc_zero(log, "veil", (size_t) rows + 1, sizeof *s.row, &s.row));
     GP_TRY(gp_alloc_zero(log, "veil", CELLS, sizeof *cell, &cell));

@@ -36,7 +36,8 @@ struct gp_veil_params {
     double age, pigment;             // as of the model cie
 };
 
-/* Measures f->rgb, which is clean, and writes out->veil. The same for any number of
+/* Measures f->rgb, which is clean, and writes out->veil: `missing` where p->at has no
+ * direction. The same for any number of
  * threads. Errors: GP_ERR_BUG out of memory. */
 struct glarepp_facts;
 GP_MUST_CHECK gp_status gp_veil_measure(const struct gp_log *log,

@@ -41,6 +41,12 @@ is "$(field b.json '[o["veil"][k] for k in ("fixation", "age", "pigment")]')" \
 run -q --layer l.exr --luminance-scale 100 --projection latlong --report r.json dark.exr
 is "$(field r.json '[o["veil"][k] for k in ("sources", "luminance_of_sources", "ugr")], round(o["veil"]["dgp"] - 5.87e-5 * o["veil"]["illuminance"], 9), o["veil"]["seen"]' |
     sed 's/1\.00[0-9]*/1/')" '([0, 0.0, None], 0.16, 1)' 'no source: no UGR'
+for row in 'fisheye 9999,3' 'fisheye 2,2' 'latlong 32,-3' 'latlong 65,24'; do
+    run -q --layer l.exr --luminance-scale 100 --projection ${row% *} \
+        --fixation=${row#* } --report r.json in.exr
+    like "$(field r.json 'o["veil"]')" "{'missing': '*has no direction'}" \
+        "no figures of a place without direction, $row"
+done
 run --fixation 3 --report r.json -o o.png in.exr
 fails_with 2 '--fixation' 'one number'
 run --fixation 3,4 -o o.png in.exr
