@@ -28,7 +28,7 @@ static const struct hint hints[] = {
          "give a smaller --size, a --radius, or raise --max-pixels")
     HINT("field.radius", "make it again with a larger --size or --radius")
     HINT("frame.coverage", "give --mask FILE")
-    HINT("frame.deep", "name a file that has them with --deep")
+    HINT("frame.deep", "give --deep a file that has both")
     HINT("frame.depth", "name a channel with --depth")
     HINT("frame.has_ndc", "give --camera FILE")
     HINT("kernel.as_it_is", "use --kernel-normalize none")

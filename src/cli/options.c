@@ -585,7 +585,7 @@ const struct gp_option gp_options[] = {
         "the frame", .needs = GP_NEED_OWN_FRAMES | GP_NEED_NO_LIGHT),
     OPT(bench.runs, "runs", IN(REPORT, BENCH | SETS), "N",
         "bench: time each row N times; the table has the median; sets: the "
-        "fastest, of 3 without it", .lo = 1, .hi = GP_BENCH_RUNS),
+        "fastest in wall and CPU time, of 3 without it", .lo = 1, .hi = GP_BENCH_RUNS),
 
     // idiff's, which may be written with one dash
     OPT(compare.limits.fail, "fail", OWN(COMPARE), "E",

@@ -145,6 +145,8 @@ fails_with 4 '--max-pixels' 'of a picture, too'
 frame flat.exr channels=R,G,B,A:float kind=dark deep=3
 run -o o.png flat.exr
 fails_with 4 'without Z' 'deep samples in no order'
+run --lights lights.json --deep flat.exr --report r.json plain.exr
+fails_with 2 'floats; give --deep a file that has both' 'beside a frame, too'
 head -c 20000 deep.exr >cut.exr
 run --lights lights.json --deep cut.exr --report r.json plain.exr
 fails_with 4 cut.exr 'a truncated file'
