@@ -339,8 +339,10 @@ static void print_ghosts(const struct glarepp_lens *lens)
     const double image = lens->pupil * lens->pupil * lens->through;
     struct glarepp_ghost *const ghost = lens->ghost;
     const int n = lens->ghosts;
-    printf("ghosts       %d; those with most light on the axis, of the image's "
-           "light:\n", n);
+    printf("ghosts       %d; those with most light on the axis at 587.6 nm, of "
+           "the "
+           "image's light:\n",
+           n);
     for (int i = 0; i < n && i < SHOWN; i++) {
         int best = i;
         for (int k = i + 1; k < n; k++) {

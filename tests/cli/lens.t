@@ -44,6 +44,7 @@ no 'none of which is printed' env LC_ALL=C grep -q "$(printf '\033\\|\302\233\\|
 "$glarepp" lens --check heliar >out
 is "$(grep -c '^image height .* claimed 50.5: covered$' out)" 1 \
     'an image height that the rims cover, beside its claim'
+is "$(grep -c '^ghosts .* on the axis at 587.6 nm' out)" 1 'ghosts of one wavelength'
 
 # -- the drawing -----------------------------------------------------------------
 
