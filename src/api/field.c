@@ -4,6 +4,7 @@
 #include "api/plan.h"
 
 #include "core/clock.h"
+#include "core/luminance.h"
 #include "core/maths.h"
 #include "core/minmax.h"
 #include "glare/far_field/far_field.h"
@@ -225,8 +226,32 @@ static double left_out_of(const struct glarepp_frame *f,
     return all > 0.0 ? sum / all : k->left_out;
 }
 
+/* Lists lights in the frame that add glare of their own. */
+static int veil_lamps(const struct glarepp_frame *f,
+                      struct gp_veil_lamp lamp[GP_LIGHTS_MAX])
+{
+    const struct gp_api_lights *const lights = f->work ? f->work->lights : NULL;
+    const struct gp_rect *const data = &f->image.data;
+    int n = 0;
+    if (!lights || !(f->ran & 1u << GLAREPP_SHARES) || f->plan->sun.in_frame)
+        return 0;
+    for (int i = 0; i < lights->suns.n; i++) {
+        const struct gp_light *const l = &lights->suns.light[i];
+        const double pixels = M_PI * fmax(l->radius * l->radius, 0.25);
+        if (!gp_light_has_flux(l) || l->found || !(l->x >= data->x0) ||
+            !(l->x < data->x1) || !(l->y >= data->y0) || !(l->y < data->y1))
+            continue;
+        const double flux = (double) gp_lit_luminance(
+            f->image.luminance, l->flux[0], l->flux[1], l->flux[2]);
+        lamp[n++] = (struct gp_veil_lamp) {
+            {l->x, l->y}, l->visibility * flux / pixels, pixels};
+    }
+    return n;
+}
+
 gp_status gp_api_veil(struct glarepp_frame *f)
 {
+    struct gp_veil_lamp lamp[GP_LIGHTS_MAX];
     const struct gp_kernel_request *const r = f->plan->kernel->request;
     const struct gp_rect *const data = &f->image.data;
     struct glarepp_kernel_facts unused; // a frame without light has no kernel
@@ -237,6 +262,8 @@ gp_status gp_api_veil(struct glarepp_frame *f)
         .white = f->p.white,
         .age = 35.0,
         .pigment = 0.5,
+        .lamp = lamp,
+        .lamps = veil_lamps(f, lamp),
     };
     memset(&f->facts.veil, 0, sizeof f->facts.veil);
     if (!(p.white > 0.0) || p.projection.kind == GP_PLANE) {

@@ -65,16 +65,17 @@ static double luminance_at(const struct pass *s, int x, int y)
                                                    f->rgb.c[2][i]);
 }
 
-/* Returns the sums of one pixel: none where it is behind the eye. */
-static struct sums look_at(const struct pass *s, int x, int y)
+/* Returns the sums of pixels at one place: none where it is behind the eye. */
+static struct sums look_at(const struct pass *s, double x, double y,
+                           double luminance, double pixels)
 {
     const struct gp_projection *const to = &s->p->projection;
-    const struct gp_v3 d = gp_projection_direction(to, x + 0.5, y + 0.5);
+    const struct gp_v3 d = gp_projection_direction(to, x, y);
     const double cosine = fmin(gp_v3_dot(d, s->axis), 1.0);
     if (!(cosine > 0.0))
         return (struct sums) {0};
-    const double solid = gp_projection_solid(to, x + 0.5, y + 0.5);
-    const double light = luminance_at(s, x, y) * solid;
+    const double solid = pixels * gp_projection_solid(to, x, y);
+    const double light = luminance * solid;
     const double t = gp_acos(cosine) * (180.0 / M_PI);
     struct sums one = {.solid = solid,
                        .seen = solid * cosine,
@@ -90,6 +91,18 @@ static struct sums look_at(const struct pass *s, int x, int y)
     return one;
 }
 
+static struct sums look_at_pixel(const struct pass *s, int x, int y)
+{
+    return look_at(s, x + 0.5, y + 0.5, luminance_at(s, x, y), 1.0);
+}
+
+static struct sums look_at_lamp(const struct pass *s, int i)
+{
+    const struct gp_veil_lamp *const l = &s->p->lamp[i];
+    return look_at(s, l->at[0], l->at[1], s->p->white * l->luminance,
+                   l->pixels);
+}
+
 static void sum_row(void *ctx, int i, int thread)
 {
     const struct pass *const s = ctx;
@@ -97,7 +110,7 @@ static void sum_row(void *ctx, int i, int thread)
     (void) thread;
     find_span(s, s->window.y0 + i, span);
     for (int x = span[0]; x < span[1]; x++) {
-        const struct sums one = look_at(s, x, s->window.y0 + i);
+        const struct sums one = look_at_pixel(s, x, s->window.y0 + i);
         add(&s->row[i], &one);
     }
 }
@@ -134,7 +147,13 @@ static int cell_of(struct gp_v3 d)
     return at;
 }
 
-/* Adds the pixels over a luminance to cells, one after another. */
+static void add_to_cell(const struct sums *one, struct sums *cell)
+{
+    if (one->solid > 0.0)
+        add(&cell[cell_of(gp_v3_scale(one->to, 1.0 / one->solid))], one);
+}
+
+/* Adds pixels and lamps over a luminance to cells, one after another. */
 static void fill_cells(const struct pass *s, double over, struct sums *cell)
 {
     for (int y = s->window.y0; y < s->window.y1; y++) {
@@ -143,10 +162,14 @@ static void fill_cells(const struct pass *s, double over, struct sums *cell)
         for (int x = span[0]; x < span[1]; x++) {
             if (!(luminance_at(s, x, y) > over))
                 continue;
-            const struct sums one = look_at(s, x, y);
-            if (one.solid > 0.0)
-                add(&cell[cell_of(gp_v3_scale(one.to, 1.0 / one.solid))], &one);
+            const struct sums one = look_at_pixel(s, x, y);
+            add_to_cell(&one, cell);
         }
+    }
+    for (int i = 0; i < s->p->lamps; i++) {
+        const struct sums one = look_at_lamp(s, i);
+        if (one.light > over * one.solid)
+            add_to_cell(&one, cell);
     }
 }
 
@@ -246,6 +269,13 @@ gp_status gp_veil_measure(const struct gp_log *log,
     gp_parallel_do(rows, sum_row, &s);
     for (int i = 0; i < rows; i++)
         add(&all, &s.row[i]);
+    for (int i = 0; i < p->lamps; i++) { // the pixels have the solid angle
+        const struct sums one = look_at_lamp(&s, i);
+        all.light += one.light;
+        all.eye += one.eye;
+        all.veil += one.veil;
+        all.near_light += one.near_light;
+    }
     out->veil.seen = all.seen / M_PI;
     out->veil.illuminance = all.eye;
     out->veil.luminance = all.veil;

@@ -29,11 +29,20 @@
 #include "core/projection.h"
 #include "core/status.h"
 
+/* A light that no pixel has. */
+struct gp_veil_lamp {
+    double at[2];     // its middle, EXR pixel space
+    double luminance; // of scene value 1, over
+    double pixels;    // ... so many
+};
+
 struct gp_veil_params {
     struct gp_projection projection; // of EXR pixel space, no PLANE
     double at[2];                    // where the eye looks, EXR pixel space
     double white;                    // cd/m2 of scene value 1, > 0
     double age, pigment;             // as of the model cie
+    const struct gp_veil_lamp *lamp; // `lamps` of them
+    int lamps;
 };
 
 /* Measures f->rgb, which is clean, and writes out->veil: `missing` where p->at has no

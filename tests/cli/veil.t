@@ -41,6 +41,19 @@ is "$(field b.json '[o["veil"][k] for k in ("fixation", "age", "pigment")]')" \
 run -q --layer l.exr --luminance-scale 100 --projection latlong --report r.json dark.exr
 is "$(field r.json '[o["veil"][k] for k in ("sources", "luminance_of_sources", "ugr")], round(o["veil"]["dgp"] - 5.87e-5 * o["veil"]["illuminance"], 9), o["veil"]["seen"]' |
     sed 's/1\.00[0-9]*/1/')" '([0, 0.0, None], 0.16, 1)' 'no source: no UGR'
+# a light by flux, 10 degrees off: E is 2 cd/m2 x 5e4 cos(t)^4 over the square of the
+# focal length, 100 pixels, and L_v by CIE 146
+frame black.exr kind=zeros size=200x200 channels=R,G,B
+frame noise.exr kind=dark size=200x200 channels=A
+for row in '1 -q' '0 --sun-in-frame --flare preset:zoom' '1 --mask A --mask-file noise.exr'; do
+    run -q --layer l.exr --projection perspective --fov 90 --luminance-scale 2 \
+        --sun 117.6327,100,1 --sun-color 5e4 ${row#* } --report r.json black.exr
+    is "$(field r.json "(lambda v, s: (round(v['illuminance'] / s, 4),
+        round(v['luminance'] / s, 4), v['sources']))(o['veil'],
+        o['lights'][0]['visibility'])")" \
+        "$([ "${row%% *}" = 1 ] && echo '(9.406, 0.674, 1)' || echo '(0.0, 0.0, 0)')" \
+        "a light by flux, ${row#* }"
+done
 for row in 'fisheye 9999,3' 'fisheye 2,2' 'latlong 32,-3' 'latlong 65,24'; do
     run -q --layer l.exr --luminance-scale 100 --projection ${row% *} \
         --fixation=${row#* } --report r.json in.exr
