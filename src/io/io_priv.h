@@ -148,7 +148,7 @@ GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
 void gp_picture_free(struct gp_picture *pic);
 
 /* Interleaved samples of a picture's display window. */
-struct gp_samples {
+struct gp_picture_form {
     size_t bytes;     // of one: codes of 1 or 2, little-endian floats of 4
     bool big;         // codes are big-endian
     bool fractions;   // floats are codes divided by the largest
@@ -171,6 +171,6 @@ struct gp_samples {
  * those of the picture without alpha, with A beside them. */
 GP_MUST_CHECK gp_status gp_picture_samples(const struct gp_log *log,
                                            const struct gp_picture *pic,
-                                           const struct gp_samples *s);
+                                           const struct gp_picture_form *s);
 
 #endif

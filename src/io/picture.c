@@ -252,14 +252,14 @@ static void make_floats(const struct gp_picture *pic, int y,
 
 struct gathering {
     const struct gp_picture *pic;
-    const struct gp_samples *s;
+    const struct gp_picture_form *s;
     struct row *row; // of each thread
 };
 
 static void gather_row(void *ctx, int y, int thread)
 {
     const struct gathering *const g = ctx;
-    const struct gp_samples *const s = g->s;
+    const struct gp_picture_form *const s = g->s;
     const struct row *const row = &g->row[thread];
     const size_t n = (size_t) g->pic->channels, w = (size_t) g->pic->width;
     const int line = s->from_bottom ? g->pic->height - 1 - y : y;
@@ -290,7 +290,7 @@ static void gather_row(void *ctx, int y, int thread)
 
 gp_status gp_picture_samples(const struct gp_log *log,
                              const struct gp_picture *pic,
-                             const struct gp_samples *s)
+                             const struct gp_picture_form *s)
 {
     gp_status st;
     float *linear = NULL;

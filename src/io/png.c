@@ -475,7 +475,7 @@ gp_status gp_png_write(const struct gp_log *log,
     (void) stats;
     const struct tags tags = tags_of(p, frame, kind);
     GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, &pic));
-    struct gp_samples samples = {
+    struct gp_picture_form samples = {
         .bytes = (size_t) pic.bits / 8,
         .big = true,
         .lead = 1,

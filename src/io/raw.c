@@ -164,7 +164,7 @@ static gp_status write_samples(const struct gp_log *log,
         *frames = (struct gp_raw_size) {pic.width, pic.height};
     const size_t size = (size_t) pic.width * (size_t) pic.height * 3 * sample;
     GP_TRY(gp_alloc(log, "picture", size, 1, &bytes));
-    const struct gp_samples samples = {
+    const struct gp_picture_form samples = {
         .bytes = sample,
         .big = p.raw == GP_RAW_RGB48BE,
         .from_bottom = !frames,

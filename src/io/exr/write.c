@@ -267,9 +267,8 @@ static gp_status add_frame(const struct group *g,
     return GP_OK;
 }
 
-/* The channels of the part of frame out->f, with the colours of those of n frames
- * that are of it, of which one was read whole: what is the colour of none as it
- * is, colours as gp_write_hdr() says. */
+/* The channels of the part of out->f, with the colours of the frames of it, of
+ * which one was read whole, as gp_write_hdr() says. */
 static gp_status hdr_sources(const struct gp_log *log,
     const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
     struct part *out)
@@ -490,7 +489,6 @@ out:
 static gp_status add_layer(const struct writing *w, const char *layer,
                            struct gp_planes planes, struct part *out)
 {
-    const struct gp_log *const log = w->log;
     const struct gp_write_params *const p = w->p;
     const struct gp_frame *const f = out->f;
     const int alpha =
@@ -498,10 +496,10 @@ static gp_status add_layer(const struct writing *w, const char *layer,
     const size_t room = layer ? strlen(layer) + 3 : 2;
     enum gp_pixel_type type;
     gp_status st;
-    GP_TRY(fit_colour(log, p, f, &planes, &type, out));
+    GP_TRY(fit_colour(w->log, p, f, &planes, &type, out));
     for (int c = 0; c < 3; c++) {
         char *name;
-        GP_TRY(gp_alloc(log, "channels", room, 1, &name));
+        GP_TRY(gp_alloc(w->log, "channels", room, 1, &name));
         out->owned[out->n_owned++] = name;
         snprintf(name, room, "%s%s%c", layer ? layer : "", layer ? "." : "",
                  "RGB"[c]);
@@ -511,7 +509,7 @@ static gp_status add_layer(const struct writing *w, const char *layer,
         const enum gp_pixel_type own =
             f->channel[alpha].type == GP_HALF ? GP_HALF : GP_FLOAT;
         float *a;
-        GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof *a, &a));
+        GP_TRY(gp_alloc(w->log, "alpha", gp_frame_pixels(f), sizeof *a, &a));
         out->owned[out->n_owned++] = a;
         gp_channel_floats(f, alpha, a);
         add_plane(out,
@@ -562,11 +560,11 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
     return write_layers(&w, f, NULL, planes, 1, stats);
 }
 
-gp_status gp_write_parts(const struct gp_log *log,
-                         const struct gp_write_params *p, const char *path,
-                         const struct gp_frame *f, const char *const *name,
-                         const struct gp_planes *part, int n,
-                         struct gp_write_stats *stats)
+gp_status gp_exr_write_parts(const struct gp_log *log,
+                             const struct gp_write_params *p, const char *path,
+                             const struct gp_frame *f, const char *const *name,
+                             const struct gp_planes *part, int n,
+                             struct gp_write_stats *stats)
 {
     struct writing w = {
         .log = log,
@@ -574,16 +572,14 @@ gp_status gp_write_parts(const struct gp_log *log,
         .path = path,
         .kept = GP_EXR_KEEP_SCENE,
     };
-    const gp_status st = gp_write_hdr_check(log, p, GP_PARTS_KEEP, path);
-    return st ? st : write_layers(&w, f, name, part, n, stats);
+    return write_layers(&w, f, name, part, n, stats);
 }
 
 /* -- --hdr: the frame as it came in, with glare --------------------------- */
 
-gp_status gp_write_hdr(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const struct gp_hdr_colour *set, int n,
-                       struct gp_write_stats *stats)
+gp_status gp_exr_write_hdr(const struct gp_log *log,
+    const struct gp_write_params *p, const char *path,
+    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
 {
     const struct gp_input *const in = gp_input_of(set[0].f);
     struct writing w = {
@@ -592,7 +588,6 @@ gp_status gp_write_hdr(const struct gp_log *log,
     };
     struct gp_crypto crypto;
     gp_status st;
-    GP_TRY(gp_write_hdr_check(log, p, GP_HDR_KEEPS, path));
     const int parts = in ? in->parts : 1;
     GP_TRY(gp_alloc_zero(log, "parts", (size_t) parts, sizeof *w.part,
                          &w.part));

@@ -38,7 +38,7 @@ static void floats_with_alpha(void **state)
     struct gp_frame f = wf_frame(data, display, wf_all);
     struct gp_picture pic;
     float to[2][4][4];
-    const struct gp_samples samples = {.bytes = 4, .to = to};
+    const struct gp_picture_form samples = {.bytes = 4, .to = to};
     p.alpha = GP_ALPHA_KEEP;
     assert_ok(gp_picture_make(&kept_all, &p, "p", &f, &f.rgb, GP_PICTURE_SCENE,
                               &pic));
