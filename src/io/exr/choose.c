@@ -449,7 +449,7 @@ gp_status gp_exr_views(const struct gp_log *log, const struct gp_read_params *p,
 {
     struct gp_read_params q = *p;
     struct gp_exr_choice choice;
-    const char *view[GP_VIEWS_MAX], *inner[VIEWS], *own;
+    const char *view[GP_VIEWS_MAX] = {NULL}, *inner[VIEWS], *own;
     int named = 0;
     // the view that is taken by itself
     q.view = NULL;
