@@ -118,7 +118,7 @@ enum { MAX_DEVICES = 16 };
 // clang-format on
 
 struct egl {
-#define FIELD(name) __typeof__(egl##name) *name;
+#define FIELD(name) __typeof__(egl##name) *(name);
     EGL_FUNCTIONS(FIELD)
 #undef FIELD
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_display;  // may be NULL
@@ -263,10 +263,7 @@ const struct gp_gl_system gp_gl_egl = {
     .proc = egl_proc,
 };
 
-enum {
-    GL_NEED = 45,     // OpenGL 4.5, as 10 * major + minor
-    LINE_BYTES = 512, // of a message
-};
+enum { LINE_BYTES = 512 }; // of a message
 
 static _Thread_local const struct gp_gl *current;
 
@@ -336,9 +333,10 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     const char *version = (const char *) get(GL_VERSION);
     const char *renderer = (const char *) get(GL_RENDERER);
     // "4.5 (Core Profile) Mesa 22.3.6"
-    int major = 0, minor = 0;
-    if (!version || sscanf(version, "%2d.%1d", &major, &minor) < 2 ||
-        major * 10 + minor < GL_NEED)
+    char *dot = NULL;
+    const long major = version ? strtol(version, &dot, 10) : 0;
+    const long minor = dot && *dot == '.' ? strtol(dot + 1, NULL, 10) : 0;
+    if (major < 4 || (major == 4 && minor < 5))
         return gp_fail_at(log, GP_ERR_GL, "layer.engine",
                           "%s: needs OpenGL 4.5 (found %s); install a newer "
                           "Mesa or driver", gl->system->name,

@@ -50,7 +50,7 @@ extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
 // clang-format on
 
 struct gp_gl_functions {
-#define GP_GL_FIELD(name) __typeof__(gl##name) *name;
+#define GP_GL_FIELD(name) __typeof__(gl##name) *(name);
     GP_GL_FUNCTIONS(GP_GL_FIELD)
 #undef GP_GL_FIELD
 };

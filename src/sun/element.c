@@ -32,7 +32,7 @@ double gp_flare_random(int seed, int i)
 {
     const uint32_t h =
         0x85ebca6bu * (uint32_t) seed + 0x9e3779b9u * (uint32_t) (i + 1);
-    return (double) gp_murmur3(NULL, 0, h) / 4294967296.0; // of no bytes
+    return (double) gp_murmur3("", 0, h) / 4294967296.0; // of no bytes
 }
 
 static bool has_rays(const struct gp_flare_element *e)
