@@ -15,23 +15,11 @@
 
 static const size_t KEEP_BYTES = (size_t) 1 << 30; // of kernels
 
-gp_status gp_splat_need_program(const struct gp_log *log, struct gp_splat *s,
-    const char *defines, const char *vert, const char *frag,
-    struct gp_program *p)
-{
-    return p->id ? GP_OK
-                 : gp_program_make(log, s->gl, defines, vert, frag, p);
-}
-
 gp_status gp_splat_need_target(const struct gp_log *log, struct gp_splat *s,
     const char *what, int n, int w, int h, struct gp_target *t)
 {
-    gp_status st = GP_OK;
-    if (!t->framebuffer || t->colour.w < w || t->colour.h < h) {
-        const int wide = gp_max(t->colour.w, w), high = gp_max(t->colour.h, h);
-        gp_target_free(s->gl, t);
-        st = gp_target_make(log, s->gl, what, GP_TEXEL_FLOAT, n, wide, high, t);
-    }
+    const gp_status st = gp_target_make(log, s->gl, what, GP_TEXEL_FLOAT, n,
+                                        gp_max(t->w, w), gp_max(t->h, h), t);
     if (!st)
         gp_target_clear(s->gl, t, (struct gp_rect) {0, 0, w, h});
     return st;
@@ -118,13 +106,8 @@ static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
 {
     const int w = src->w, h = src->h;
     struct gp_texture *const t = &s->sources;
-    gp_status st = GP_OK;
-    if (t->w < w || t->h < h) {
-        const int wide = gp_max(t->w, w), high = gp_max(t->h, h);
-        gp_texture_free(s->gl, t);
-        st = gp_texture_make(log, s->gl, "sensors", GP_TEXEL_FLOAT, wide, high,
-                             t);
-    }
+    const gp_status st = gp_texture_make(log, s->gl, "sensors", GP_TEXEL_FLOAT,
+                                         gp_max(t->w, w), gp_max(t->h, h), t);
     const int rows = GP_SPLAT_TEXELS / w;
     for (int y0 = 0; !st && y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, gp_min(h - y0, rows) + y0};
@@ -163,8 +146,8 @@ static gp_status make_groups(const struct gp_glare_request *req,
                              struct gp_target *out)
 {
     const struct gp_log *const log = req->log;
-    gp_status st = gp_splat_need_program(log, s, "", "add.vert", "group.frag",
-                                         &s->group);
+    gp_status st =
+        gp_program_make(log, s->gl, "", "add.vert", "group.frag", &s->group);
     if (!st)
         st = gp_splat_need_target(log, s, "groups", 2, c->w, c->h, out);
     if (st)
@@ -221,8 +204,8 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
     if (st || !o->w)
         return st;
     struct gp_program *const program = &s->quad[o->grey];
-    st = gp_splat_need_program(log, s, o->grey ? "#define GREY\n" : "",
-                               "splat.vert", "splat.frag", program);
+    st = gp_program_make(log, s->gl, o->grey ? "#define GREY\n" : "",
+                         "splat.vert", "splat.frag", program);
     if (st)
         return st;
     const bool shrinks = k->layout->params.shrink > 0.0f &&
@@ -289,8 +272,8 @@ static gp_status flush_chunk(const struct drawing *k)
         .program = &s->add, .target = &s->total, .cut = all,
         .uniform = uniform, .vertices = 3, .instances = 1,
     };
-    gp_status st = gp_splat_need_program(k->req->log, s, "", "add.vert",
-                                         "add.frag", &s->add);
+    gp_status st = gp_program_make(k->req->log, s->gl, "", "add.vert",
+                                   "add.frag", &s->add);
     if (!st)
         st = gp_draw_run(k->req->log, s->gl, &draw);
     gp_target_clear(s->gl, &s->chunk, all);

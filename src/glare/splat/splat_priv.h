@@ -86,10 +86,6 @@ GP_MUST_CHECK gp_status gp_group_bound(const struct gp_log *log,
  *
  * Errors: GP_ERR_GL; GP_ERR_BUG out of memory. */
 
-GP_MUST_CHECK gp_status gp_splat_need_program(const struct gp_log *log,
-    struct gp_splat *s, const char *defines, const char *vert, const char *frag,
-    struct gp_program *p);
-
 /* A target with n attachments of at least w x h, all 0. */
 GP_MUST_CHECK gp_status gp_splat_need_target(const struct gp_log *log,
     struct gp_splat *s, const char *what, int n, int w, int h,

@@ -297,8 +297,8 @@ static gp_status draw_kind(const struct gathering *k, int kind, bool *drawn)
     const struct gp_splat_kernel *const kernel = &s->kernel[blur];
     const int variant = 2 * (kind == 0) + !kernel->grey;
     struct gp_program *const p = &s->tile[variant];
-    GP_TRY(gp_splat_need_program(log, s, defines[variant], "add.vert",
-                                 "tile.frag", p));
+    GP_TRY(gp_program_make(log, s->gl, defines[variant], "add.vert",
+                           "tile.frag", p));
     struct batch batch = {
         .field = k->field, .texel = s->texel,
         .side = choose_side(&k->pieces, kind, k->field),

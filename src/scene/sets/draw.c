@@ -477,9 +477,8 @@ static gp_status draw_map(struct gp_drawing *d, const struct gp_draw_light *l,
     const int w = map->cube ? 3 * map->side : map->side;
     const int h = map->cube ? 2 * map->side : map->side;
     gp_status st;
-    if (!to->framebuffer)
-        GP_TRY(gp_target_make(d->log, d->gl, "map of shadows", GP_TEXEL_DEPTH, 0, w,
-                              h, to));
+    GP_TRY(gp_target_make(d->log, d->gl, "map of shadows", GP_TEXEL_DEPTH, 0, w,
+                          h, to));
     gp_target_clear(d->gl, to, (struct gp_rect) {0, 0, w, h});
     d->counts->passes++;
     for (int i = 0; i < l->shadows; i++) {
