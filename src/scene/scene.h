@@ -71,14 +71,17 @@ static inline struct gp_box gp_box_with(struct gp_box b, struct gp_v3 p)
     return gp_box_join(b, (struct gp_box) {p, p});
 }
 
-/* Returns p' = p * m for an affine matrix of row vectors. */
+/* Returns column c of p' = p * m, for a matrix of row vectors. */
+static inline double gp_move_column(const double m[16], struct gp_v3 p, int c)
+{
+    return p.x * m[c] + p.y * m[4 + c] + p.z * m[8 + c] + m[12 + c];
+}
+
+/* Returns p' of an affine matrix. */
 static inline struct gp_v3 gp_move(const double m[16], struct gp_v3 p)
 {
-    return (struct gp_v3) {
-        p.x * m[0] + p.y * m[4] + p.z * m[8] + m[12],
-        p.x * m[1] + p.y * m[5] + p.z * m[9] + m[13],
-        p.x * m[2] + p.y * m[6] + p.z * m[10] + m[14],
-    };
+    return (struct gp_v3) {gp_move_column(m, p, 0), gp_move_column(m, p, 1),
+                           gp_move_column(m, p, 2)};
 }
 
 /* Coverage of a texture, of a material that is cut out by it. Sampled

@@ -123,15 +123,14 @@ static void look_at(const struct map *m, int face, struct gp_v3 at,
                     double out[3])
 {
     const struct gp_v3 p = gp_v3_sub(at, m->origin);
-    const double q[3] = {p.x, p.y, p.z}, *const t = m->to_map;
+    const double q[3] = {p.x, p.y, p.z};
     const double k = (m->side - 2.0) / m->side;
     const int axis = face >> 1; // as scene.vert
     for (int c = 0; c < 2; c++)
         out[c] = m->cube ? k * q[(axis + 1 + c) % 3]
-                         : p.x * t[c] + p.y * t[4 + c] + p.z * t[8 + c] +
-                               t[12 + c];
+                         : gp_move_column(m->to_map, p, c);
     out[2] = m->cube ? (face & 1 ? -q[axis] : q[axis])
-                     : p.x * t[3] + p.y * t[7] + p.z * t[11] + t[15];
+                     : gp_move_column(m->to_map, p, 3);
 }
 
 /* Returns bits of the squares of a map where a box of the world may be; of a

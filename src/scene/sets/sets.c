@@ -212,11 +212,9 @@ static struct gp_scissor box_project(const struct gp_sets_view *v,
     struct gp_v3 at[8];
     for (int i = 0; i < 8; i++) {
         const struct gp_v3 p = gp_box_corner(box, i);
-        double *const to[3] = {&at[i].x, &at[i].y, &at[i].z};
-        for (int c = 0; c < 3; c++) { // z has no part in it
-            const int k = c < 2 ? c : 3;
-            *to[c] = p.x * m[k] + p.y * m[4 + k] + p.z * m[8 + k] + m[12 + k];
-        }
+        at[i] =
+            (struct gp_v3) {gp_move_column(m, p, 0), gp_move_column(m, p, 1),
+                            gp_move_column(m, p, 3)};
         if (at[i].z >= v->near)
             b = seen_with(b, at[i]);
     }
@@ -434,8 +432,7 @@ gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         const struct gp_v3 c = gp_box_middle(&o->box);
-        s->far = fmax(s->far, c.x * m[3] + c.y * m[7] + c.z * m[11] + m[15] +
-                                  1.001 * o->radius);
+        s->far = fmax(s->far, gp_move_column(m, c, 3) + 1.001 * o->radius);
     }
     for (int i = 0; shows_depths(s) && i < s->depths.across * s->depths.down;
          i++)
