@@ -21,7 +21,7 @@ struct gp_curve {
 };
 
 /* Allocates entries for squares of distances from `least` to `most`, for the
- * caller to fill and gp_free(). Errors: GP_ERR_BUG out of memory. */
+ * caller to fill and gp_free(). */
 GP_MUST_CHECK gp_status gp_curve_make(const struct gp_log *log, int channels,
                                       double least, double most,
                                       struct gp_curve *out);

@@ -64,7 +64,7 @@ struct gp_far_state;
 struct gp_beyond;
 
 /* Finds it. *out stays NULL where the border has no light. Free with
- * gp_beyond_free(). Errors: GP_ERR_BUG out of memory. */
+ * gp_beyond_free(). */
 GP_MUST_CHECK gp_status gp_beyond_find(const struct gp_log *log,
     const struct gp_surround *edges, struct gp_beyond **out);
 void gp_beyond_free(struct gp_beyond **b);
@@ -79,8 +79,7 @@ struct gp_outside;
 /* Finds it unless *outside is of that kernel and of b's size, for adding b to a
  * layer of that size; all are borrowed.
  *   far  open for k's far field, where it has one
- * Free with gp_outside_free(). Errors: GP_ERR_BUG out of memory; *outside is NULL
- * then. */
+ * Free with gp_outside_free(); *outside is NULL on failure. */
 GP_MUST_CHECK gp_status gp_outside_find(const struct gp_log *log,
     const struct gp_kernel *k, const struct gp_far_state *far,
     const struct gp_beyond *b, struct gp_planes *layer,
@@ -99,8 +98,7 @@ GP_MUST_CHECK gp_status gp_beyond_add_exact(const struct gp_log *log,
  * kernel is made for frames larger by twice that. */
 int gp_mirror_reach(int w, int h);
 
-/* Mirrors sources, `reach` pixels far on each side. Free with gp_sources_free().
- * Errors: GP_ERR_BUG out of memory. */
+/* Mirrors sources, `reach` pixels far on each side. Free with gp_sources_free(). */
 GP_MUST_CHECK gp_status gp_mirror_sources(const struct gp_log *log,
                                           const struct gp_sources *src,
                                           int reach, struct gp_sources *out);
@@ -114,8 +112,7 @@ struct gp_mirrored {
 };
 
 /* Mirrors `src`, the sources of `edges`, and planes of its size unless `rgb` is
- * NULL. Free with gp_mirrored_free(), on failure too.
- * Errors: GP_ERR_BUG out of memory. */
+ * NULL. Free with gp_mirrored_free(), on failure too. */
 GP_MUST_CHECK gp_status gp_mirror(const struct gp_log *log,
     const struct gp_surround *edges, const struct gp_sources *src,
     const struct gp_planes *rgb, struct gp_mirrored *out);

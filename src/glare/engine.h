@@ -97,14 +97,12 @@ struct gp_engine {
     const char *name, *text;
 
     /* Bounds rel_l2 before any drawing; may keep its work in *state. INFINITY
-     * where nothing can be guaranteed. NULL: only run() finds it.
-     * Errors: GP_ERR_BUG out of memory. */
+     * where nothing can be guaranteed. NULL: only run() finds it. */
     gp_status (*bound)(const struct gp_glare_request *req, void **state,
                        double *out);
 
     /* Bounds the error of a pixel before any drawing; `relative` is INFINITY
-     * where nothing can be guaranteed. NULL: the engine never guarantees one.
-     * Errors: GP_ERR_BUG out of memory. */
+     * where nothing can be guaranteed. NULL: the engine never guarantees one. */
     gp_status (*pixel)(const struct gp_glare_request *req, void **state,
                        struct gp_pixel_error *out);
 
@@ -202,7 +200,6 @@ struct gp_compose_params {
     float dim;   // share of everything that a narrower pupil takes; 0 to 1
     bool last;   // nothing reads f->layer afterwards
 };
-#define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GLAREPP_SCATTER }
 
 /* Makes f->lit from f->rgb, f->layer and the sources.
  *   add:     lit = rgb + gain * layer
@@ -213,7 +210,7 @@ struct gp_compose_params {
  * f->layer may be empty when no pixel is a source: then lit = rgb. f->lit is
  * made when it is empty, else it has the frame's size and is overwritten. With
  * p->last an empty f->lit takes the memory of f->layer, which is empty then.
- * The sources are of f's size. Errors: GP_ERR_BUG out of memory. */
+ * The sources are of f's size. */
 GP_MUST_CHECK gp_status gp_compose(const struct gp_log *log,
     const struct gp_compose_params *p, const struct gp_sources *src,
     struct gp_image *f);

@@ -84,8 +84,7 @@ GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
 
 /* Makes a kernel of planes as they are, w * h each, its centre pixel
  * (floor(w/2), floor(h/2)); takes them, also on failure.
- * Errors: GP_ERR_DATA no light in it, or a sample that is not finite;
- * GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_DATA no light in it, or a sample that is not finite. */
 GP_MUST_CHECK gp_status gp_kernel_of_planes(const struct gp_log *log,
     const char *name, int w, int h, struct gp_planes *planes,
     struct gp_kernel *out);
@@ -99,8 +98,7 @@ static inline float gp_kernel_centre(const struct gp_kernel *k, int c)
 }
 
 /* Adds to the layer of a frame of w x h pixels what n sources beside it, of which places
- * count from its corner, light there by true angles; k->sky is not NULL. Errors:
- * GP_ERR_BUG out of memory. */
+ * count from its corner, light there by true angles; k->sky is not NULL. */
 GP_MUST_CHECK gp_status gp_kernel_add_beyond(const struct gp_log *log,
                                              const struct gp_kernel *k,
                                              const struct gp_source *source,

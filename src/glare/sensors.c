@@ -385,8 +385,7 @@ static gp_status find_round_threshold(const struct gp_log *log,
     return st;
 }
 
-/* Cleans the frame, finds its threshold and counts its bright pixels. Errors:
- * GP_ERR_BUG out of memory. */
+/* Cleans the frame, finds its threshold and counts its bright pixels. */
 static gp_status clean_frame(const struct gp_log *log, struct sense *s,
                              int blocks, const struct gp_image *f, bool sphere,
                              struct glarepp_sense_params *p)

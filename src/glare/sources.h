@@ -62,7 +62,7 @@ struct gp_sources {
 /* Makes a list without sources, with room for `room` of them, for a frame like
  * that of `like`, of which it copies sizes, window, weights, faint, the facts
  * of the frame, and darkest. Written only on GP_OK; free with
- * gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
+ * gp_sources_free(). */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
     const struct gp_sources *like, size_t room, struct gp_sources *out);
 
@@ -87,7 +87,7 @@ void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
 
 /* The same sources and darkest, halved so many times. Written
- * only on GP_OK; free with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
+ * only on GP_OK; free with gp_sources_free(). */
 GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
     const struct gp_sources *src, int times, struct gp_sources *out);
 
@@ -95,7 +95,7 @@ GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
  *
  *   more  is sorted into row order; sums do not depend on the order given
  *   out   as gp_sources_make() of src
- * Errors: GP_ERR_BUG out of memory, or a pixel outside the frame. */
+ * Errors: GP_ERR_BUG a pixel outside the frame. */
 GP_MUST_CHECK gp_status gp_sources_join(const struct gp_log *log,
     const struct gp_sources *src, struct gp_source *more, size_t n,
     struct gp_sources *out);
@@ -104,8 +104,7 @@ GP_MUST_CHECK gp_status gp_sources_join(const struct gp_log *log,
  * and pixels outside of the mask's window are 0. A source without light is left
  * out.
  *   mask  window in EXR pixel space
- *   out   as gp_sources_make() of src, written only on GP_OK
- * Errors: GP_ERR_BUG out of memory. */
+ *   out   as gp_sources_make() of src, written only on GP_OK */
 GP_MUST_CHECK gp_status gp_sources_mask(const struct gp_log *log,
                                         const struct gp_sources *src,
                                         const struct gp_plane *mask,
@@ -129,8 +128,7 @@ GP_MUST_CHECK gp_status gp_sources_planes(const struct gp_log *log,
  * A warning says so when max_value takes over 1 % of a channel's light.
  *
  *   sphere  f is a lat-long: percentiles and averages are of its solid angle
- *   out     written only on GP_OK; free with gp_sources_free()
- * Errors: GP_ERR_BUG out of memory. */
+ *   out     written only on GP_OK; free with gp_sources_free() */
 GP_MUST_CHECK gp_status gp_sense(const struct gp_log *log,
                                  const struct glarepp_sense_params *p,
                                  bool sphere, struct gp_image *f,

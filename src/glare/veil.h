@@ -46,8 +46,7 @@ struct gp_veil_params {
 };
 
 /* Measures f->rgb, which is clean, and writes out->veil: `missing` where p->at has no
- * direction. The same for any number of
- * threads. Errors: GP_ERR_BUG out of memory. */
+ * direction. The same for any number of threads. */
 struct glarepp_facts;
 GP_MUST_CHECK gp_status gp_veil_measure(const struct gp_log *log,
                                         const struct gp_veil_params *p,

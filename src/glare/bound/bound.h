@@ -11,8 +11,7 @@
  * kernel with negative samples. Where nothing is negative, light only adds up.
  * So the square of the norm is no less than the sum of the squares of the
  * sources' layers, each by itself; nor than that of a layer in which each pixel
- * has the least light of its cell. Each channel takes the larger of the two.
- * Errors: GP_ERR_BUG out of memory. */
+ * has the least light of its cell. Each channel takes the larger of the two. */
 GP_MUST_CHECK gp_status gp_layer_least(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     double *least);
@@ -41,8 +40,7 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
 
 /* Finds two errors, over the layer's norm, that an engine's bound of rel_l2
  * leaves out: by values under FLT_MIN that became 0, and by the far field.
- * INFINITY where nothing can be guaranteed.
- * Errors: GP_ERR_BUG out of memory. */
+ * INFINITY where nothing can be guaranteed. */
 GP_MUST_CHECK gp_status gp_error_floor_find(const struct gp_glare_request *req,
                                             double *floor);
 

@@ -22,7 +22,7 @@ struct gp_taps {
 };
 
 /* Copies the part of the kernel within rx pixels of its centre in x and ry in
- * y. Free with gp_taps_free(). Errors: GP_ERR_BUG out of memory. */
+ * y. Free with gp_taps_free(). */
 GP_MUST_CHECK gp_status gp_taps_cut(const struct gp_log *log,
                                     const struct gp_kernel *kernel, int rx,
                                     int ry, struct gp_taps *out);
@@ -30,8 +30,7 @@ void gp_taps_free(struct gp_taps *t);
 
 /* Adds the sum to the layer (`add`), or writes it there. Each sample is summed
  * in the order of the sources, in float, in groups of 32 whose sums are added
- * with compensation, so that its error grows only with the group.
- * Errors: GP_ERR_BUG out of memory. */
+ * with compensation, so that its error grows only with the group. */
 GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_taps *taps, bool add,
     struct gp_planes *layer);

@@ -142,8 +142,7 @@ struct gp_fft_spectrum {
 void gp_fft_spectrum_free(struct gp_fft_spectrum *s);
 
 /* Makes *s the spectrum of the request's kernel for channel fft->channel, unless it
- * is; of a coloured kernel that no later frame takes, that channel's rows. Errors:
- * GP_ERR_BUG out of memory. */
+ * is; of a coloured kernel that no later frame takes, that channel's rows. */
 GP_MUST_CHECK gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
                                              const struct gp_fft_request *fft,
                                              const struct gp_fft_placing *p,

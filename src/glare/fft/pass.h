@@ -34,7 +34,7 @@ struct gp_fft_matrix {
 };
 
 /* Makes `channels` planes of `rows` points a block; not cleared. Free with
- * gp_fft_matrix_free(). Errors: GP_ERR_BUG out of memory. */
+ * gp_fft_matrix_free(). */
 GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
                                            struct gp_fft_numbers of,
                                            int channels, int nx, int rows,
@@ -53,7 +53,7 @@ struct gp_fft_request {
 };
 
 /* Makes the transforms of a request: of lengths that gp_fft_length() gives.
- * Free both. Errors: GP_ERR_BUG out of memory. */
+ * Free both. */
 GP_MUST_CHECK gp_status gp_fft_pair_make(const struct gp_log *log, int nx,
                                          int ny, bool in_double,
                                          struct gp_transform out[2]);
@@ -63,8 +63,7 @@ void gp_fft_pair_free(struct gp_transform pair[2]);
 typedef void (*gp_fft_load)(const void *ctx, int c, int j, float *z);
 
 /* Transforms `rows` rows into row j of m's blocks; factors of 1/2 are left out:
- * the matrix holds twice the spectrum. Errors: GP_ERR_BUG out of memory, as of
- * all passes. */
+ * the matrix holds twice the spectrum. */
 GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_request *req,
                                        int rows, gp_fft_load load,
                                        const void *ctx,

@@ -203,7 +203,6 @@ struct joined {
     struct spikes spikes;
     double pixel[2];               // degrees
     double from, reach;            // degrees; samples fade between: left_at()
-    double end;                    // degrees; of these and spikes
     double light[3];               // of the mean
 };
 
@@ -506,11 +505,10 @@ static gp_status join(const struct gp_log *log,
     s->reach = reach;
     s->near = *shape;
     s->spikes = spikes_of(d, reach);
-    s->end = fmax(reach, s->spikes.reach);
     measure(s, r[0], r[1], by, sum);
     share_out(s, by);
     gp_free(by);
-    const double end = s->end;
+    const double end = fmax(reach, s->spikes.reach);
     gp_profile_integral(taking_over, s, 2, s->from, end, over);
     const double a = reach / 20.0; // and from there to infinity
     const double rest = 2.0 * M_PI / sqrt(end * end + a * a);

@@ -195,7 +195,7 @@ double gp_cie_general(double age, double pigment, double t);
  * out->far, else all in out->k: sum + left_out = 1 in luminance.
  * Written only on GP_OK; free with gp_kernel_free().
  * Errors: GP_ERR_USAGE an angle that is not finite, a key that this field
- * cannot serve; GP_ERR_DATA a bad mask or image; GP_ERR_BUG out of memory. */
+ * cannot serve; GP_ERR_DATA a bad mask or image. */
 GP_MUST_CHECK gp_status gp_model_kernel(const struct gp_log *log,
     const struct gp_recipe *r, int n, const struct gp_field *field,
     struct gp_kernel *out);
@@ -203,7 +203,7 @@ GP_MUST_CHECK gp_status gp_model_kernel(const struct gp_log *log,
 /* Every sample that a frame of w x h pixels can meet, at full rate, offsets
  * -(w - 1) .. w - 1 and -(h - 1) .. h - 1, with no far field: what the engine
  * `direct` and the truth sum. Of a kernel without far field a copy of k.
- * Written only on GP_OK. Errors: GP_ERR_BUG out of memory. */
+ * Written only on GP_OK. */
 GP_MUST_CHECK gp_status gp_kernel_whole(const struct gp_log *log,
     const struct gp_kernel *k, int w, int h, struct gp_kernel *out);
 

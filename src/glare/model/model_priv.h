@@ -205,7 +205,7 @@ struct gp_diffraction {
 };
 
 /* Makes the shape of light behind a pupil, white in sum. Fills all of `out`.
- * Errors: GP_ERR_DATA the pupil is dark; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_DATA the pupil is dark. */
 GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     struct gp_shape *out);

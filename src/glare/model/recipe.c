@@ -291,9 +291,7 @@ gp_status gp_recipe_of_image(const struct gp_log *log, const char *path,
     struct gp_recipe r = usual_recipe(&gp_model_image);
     gp_recipe_preset(&r, "size", degrees);
     gp_recipe_preset(&r, "percent", percent);
-    int i = 0;
-    while (!gp_model_key_is_file(&r.model->keys[i]))
-        i++;
+    const int i = key_of(&r, "file");
     r.file[i] = gp_strdup(path);
     if (!r.file[i])
         return gp_no_memory(log, path);

@@ -77,8 +77,7 @@ struct gp_polygons {
  * with fx, fy the fractions of P0 - (M - 1) / 2; the smaller box on a tie,
  * and none over the cell's side.
  *
- *   out  written only on GP_OK; free with gp_polygons_free()
- * Errors: GP_ERR_BUG out of memory. */
+ *   out  written only on GP_OK; free with gp_polygons_free() */
 GP_MUST_CHECK gp_status gp_polygons_make(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_splat_params *p,
     struct gp_polygons *out);
@@ -99,8 +98,7 @@ struct gp_blur {
 /* Makes the kernel blurred by a box of side `side`, cut first to `crop` (in
  * kernel pixels), and without its middle when `hollow`: samples with both
  * |dx|, |dy| <= GP_MIDDLE_RADIUS from the kernel's centre count as 0.
- * Written only on GP_OK; free with gp_blur_free().
- * Errors: GP_ERR_BUG out of memory. */
+ * Written only on GP_OK; free with gp_blur_free(). */
 GP_MUST_CHECK gp_status gp_blur_make(const struct gp_log *log,
     const struct gp_kernel *kernel, struct gp_rect crop, bool hollow, int side,
     struct gp_blur *out);
@@ -115,7 +113,7 @@ struct gp_rings {
 };
 
 /* Makes them of the samples in `crop`, without the middle when `hollow`. Free
- * with gp_rings_free(). Errors: GP_ERR_BUG out of memory. */
+ * with gp_rings_free(). */
 GP_MUST_CHECK gp_status gp_rings_make(const struct gp_log *log,
     const struct gp_kernel *k, struct gp_rect crop, bool hollow,
     struct gp_rings *out);
@@ -134,8 +132,7 @@ struct gp_shrink {
     double left_out; // bound of the share of light that is left out, <= share
 };
 
-/* Finds the reaches for p->shrink, the share; 0 leaves nothing out.
- * Errors: GP_ERR_BUG out of memory. */
+/* Finds the reaches for p->shrink, the share; 0 leaves nothing out. */
 GP_MUST_CHECK gp_status gp_shrink_make(const struct gp_log *log,
     const struct gp_kernel *kernel, const struct gp_splat_params *p,
     const struct gp_polygons *polygons, struct gp_shrink *out);
@@ -148,8 +145,7 @@ GP_MUST_CHECK gp_status gp_shrink_make(const struct gp_log *log,
  * cut to what the kernel covers there. Edges outside the frame are not seen.
  * The sources that draw only their middle are no polygons.
  *
- *   picture  src->w x src->h planes, changed where there is a line
- * Errors: GP_ERR_BUG out of memory. */
+ *   picture  src->w x src->h planes, changed where there is a line */
 GP_MUST_CHECK gp_status gp_polygons_outline(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     const struct gp_splat_params *p, struct gp_planes *picture);

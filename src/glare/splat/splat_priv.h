@@ -75,8 +75,7 @@ GP_MUST_CHECK gp_status gp_splat_open(const struct gp_log *log, void **state,
 
 /* Bounds rel_l2 of a splat layer: grouping and clustering, light left out by
  * shrinking, samples' positions, and `roundings` float roundings, each 2^-24 of
- * a pixel's sum. INFINITY for kernels with lobes.
- * Errors: GP_ERR_BUG out of memory. */
+ * a pixel's sum. INFINITY for kernels with lobes. */
 GP_MUST_CHECK gp_status gp_group_bound(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     const struct gp_splat_params *p, const struct gp_polygons *polygons,
@@ -84,7 +83,7 @@ GP_MUST_CHECK gp_status gp_group_bound(const struct gp_log *log,
 
 /* -- objects on GL, made unless they are there: draw.c ----------------------
  *
- * Errors: GP_ERR_GL; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_GL. */
 
 /* A target with n attachments of at least w x h, all 0. */
 GP_MUST_CHECK gp_status gp_splat_need_target(const struct gp_log *log,
@@ -102,7 +101,7 @@ void gp_splat_drop_kernels(struct gp_splat *s);
 
 /* Draws the layer of a layout, which fits into a target, by blended quads. The
  * context is open and current. Nothing is read back before the layer is done.
- * Errors: GP_ERR_GL; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_GL. */
 GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_request *req,
     struct gp_splat *s, const struct gp_splat_layout *layout);
 
@@ -115,7 +114,7 @@ GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_request *req,
  * of positions are rounded to 2^-25 of a pixel. The sum's order depends on
  * nothing but the arguments (within a blur the polygons' own).
  * Errors: GP_ERR_GL no context can draw it, or a blurred kernel over the
- * texture limit; GP_ERR_BUG out of memory. */
+ * texture limit. */
 GP_MUST_CHECK gp_status gp_tiles_draw(const struct gp_glare_request *req,
     struct gp_splat *s, const struct gp_splat_layout *layout);
 

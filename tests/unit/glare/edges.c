@@ -45,7 +45,10 @@ static struct scene sensed(int w, int h, enum light light)
 static void assert_stays(const char *word, const struct gp_kernel *k, int w,
                          int h, float value, enum glarepp_edges how)
 {
-    const struct gp_compose_params compose = GP_COMPOSE_DEFAULTS;
+    const struct gp_compose_params compose = {
+        .gain = 1,
+        .mix = GLAREPP_SCATTER,
+    };
     struct gp_image f = scene_frame(w, h, 0, 0, BLACK, 0);
     for (int c = 0; c < 3; c++) {
         for (int p = 0; p < w * h; p++)
