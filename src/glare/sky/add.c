@@ -5,14 +5,16 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/far_field/far_field.h"
-#include "glare/sky/rows.h"
 #include "glare/sky/sphere.h"
 #include "glare/sky/sum.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { BAND = GP_SKY_BAND, REACH = GP_SKY_REACH };
+enum {
+    BAND = GP_SKY_BAND,
+    REACH = 6, // nodes that dividing splines meets on either side
+};
 
 /* Memory that frames of one size take, kept from frame to frame. */
 struct gp_sky_kept {
@@ -35,18 +37,81 @@ struct adding {
     int level; // that tasks work on
 };
 
+// -- rows ---------------------------------------------------------------------
+
+GP_CLONES void gp_sky_add_scaled(float *restrict to, const float *restrict from,
+                                 float by, int n)
+{
+    for (int i = 0; i < n; i++)
+        to[i] += by * from[i];
+}
+
+GP_CLONES static float dot_row(const float *restrict a, const float *restrict b,
+                               int n)
+{
+    enum { LANES = 8 };
+    float sum[LANES] = {0}, total = 0.0f; // become vectors
+    int i = 0;
+    for (; i + LANES <= n; i += LANES) {
+        for (int k = 0; k < LANES; k++)
+            sum[k] += a[i + k] * b[i + k];
+    }
+    for (int k = 0; k < LANES; k++)
+        total += sum[k];
+    for (; i < n; i++)
+        total += a[i] * b[i];
+    return total;
+}
+
+/* to = the sum of at[k] from[k] over `count` rows, n of each. */
+GP_CLONES static void sum_rows(const float *const *from, const float *at,
+                               int count, int n, float *restrict to)
+{
+    memset(to, 0, (size_t) n * sizeof *to);
+    for (int k = 0; k < count; k++)
+        gp_sky_add_scaled(to, from[k], at[k], n);
+}
+
+static inline __attribute__((always_inline)) float
+between(const float at[GP_SKY_TAPS], const float *node)
+{
+    return at[0] * node[0] + at[1] * node[1] + at[2] * node[2] +
+           at[3] * node[3];
+}
+
+/* Adds n values between nodes: of those from i on, by `even` to row[2 i] and by `odd` to
+ * row[2 i + 1]. */
+GP_CLONES static void between_row(const float *restrict node, const float *even,
+                                  const float *odd, int n, float *restrict row)
+{
+    for (int i = 0; i < n / 2; i++) {
+        row[2 * i] += between(even, node + i);
+        row[2 * i + 1] += between(odd, node + i);
+    }
+    if (n % 2)
+        row[n - 1] += between(even, node + n / 2);
+}
+
+/* out[i] = the sum of at[|k|] line[i + k], |k| <= REACH: n of them. */
+GP_CLONES static void divide_row(const float *restrict line,
+                                 const float at[REACH + 1], int n,
+                                 float *restrict out)
+{
+    for (int i = 0; i < n; i++) {
+        float v = at[0] * line[i];
+        for (int k = 1; k <= REACH; k++)
+            v += at[k] * (line[i - k] + line[i + k]);
+        out[i] = v;
+    }
+}
+
 // -- up -----------------------------------------------------------------------
 
 /* B of the nodes around an even and an odd pixel of level 0 on level 1. */
-static void spline_rows(float at[2][GP_SKY_TAPS])
-{
-    for (int i = 0; i < 2; i++) {
-        double b[GP_SKY_TAPS];
-        gp_far_spline(0.5 * i, b);
-        for (int k = 0; k < GP_SKY_TAPS; k++)
-            at[i][k] = (float) b[k];
-    }
-}
+static const float B1[2][GP_SKY_TAPS] = {
+    {1.0f / 6, 4.0f / 6, 1.0f / 6},
+    {1.0f / 48, 23.0f / 48, 23.0f / 48, 1.0f / 48},
+};
 
 /* Adds the light of the few sources of row y, times their solid angles, to the nodes of
  * a line, channel after channel. */
@@ -54,8 +119,6 @@ static void gather_few(const struct adding *a, int y, float *line)
 {
     const struct gp_sources *const src = a->d->src;
     const size_t pitch = a->k->light[1].pitch;
-    float at[2][GP_SKY_TAPS];
-    spline_rows(at);
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
         const int x = src->x[i];
         const float omega =
@@ -64,12 +127,25 @@ static void gather_few(const struct adding *a, int y, float *line)
             const float v = omega * src->rgb[c][i];
             float *const node = line + c * pitch + (size_t) (x >> 1);
             for (int k = 0; k < GP_SKY_TAPS; k++)
-                node[k] += v * at[x & 1][k];
+                node[k] += v * B1[x & 1][k];
         }
     }
 }
 
-/* The same of many, which are laid out first, even and odd pixels apart. */
+/* Adds even pixels e and odd ones o, which is the one right of e, to n nodes. */
+GP_CLONES static void gather_row(const float *restrict e,
+                                 const float *restrict o, int n,
+                                 float *restrict node)
+{
+    for (int m = 0; m < n; m++)
+        node[m] += (e[m] + e[m - 2]) * (1.0f / 6.0f) +
+                   e[m - 1] * (4.0f / 6.0f) +
+                   (o[m] + o[m - 3]) * (1.0f / 48.0f) +
+                   (o[m - 1] + o[m - 2]) * (23.0f / 48.0f);
+}
+
+/* The same of many, which are laid out first, even and odd pixels apart: a tenth less
+ * for the layer of a bright sky. */
 static void gather_many(const struct adding *a, int y, float *line,
                         float *scratch)
 {
@@ -84,8 +160,8 @@ static void gather_many(const struct adding *a, int y, float *line,
             const size_t x = (size_t) src->x[i];
             even[(x & 1) * half + x / 2] = solid[x] * src->rgb[c][i];
         }
-        gp_sky_gather_row(even, even + half, (src->w + 1) / 2 + BEFORE,
-                          line + c * a->k->light[1].pitch);
+        gather_row(even, even + half, (src->w + 1) / 2 + BEFORE,
+                   line + c * a->k->light[1].pitch);
     }
 }
 
@@ -96,11 +172,8 @@ static void gather_band(void *ctx, int band, int thread)
     const struct adding *const a = ctx;
     const struct gp_sources *const src = a->d->src;
     const struct gp_sky_grid *const to = &a->k->light[1];
-    const size_t n = 3 * to->pitch;
     float *const line = a->k->scratch + (size_t) thread * a->k->room;
     const int from = band * BAND, end = gp_min(from + BAND, to->h);
-    float at[2][GP_SKY_TAPS];
-    spline_rows(at);
     for (int g = from; g < end; g++) {
         for (int c = 0; c < 3; c++)
             memset(gp_sky_grid_row(to, c, g), 0,
@@ -112,9 +185,9 @@ static void gather_band(void *ctx, int band, int thread)
         const uint32_t count = src->row[y + 1] - src->row[y];
         if (!count)
             continue;
-        memset(line, 0, n * sizeof *line);
+        memset(line, 0, 3 * to->pitch * sizeof *line);
         if (count > FEW)
-            gather_many(a, y, line, line + n);
+            gather_many(a, y, line, line + 3 * to->pitch);
         else
             gather_few(a, y, line);
         for (int k = 0; k < GP_SKY_TAPS; k++) {
@@ -123,7 +196,7 @@ static void gather_band(void *ctx, int band, int thread)
                 continue;
             for (size_t c = 0; c < 3; c++)
                 gp_sky_add_scaled(gp_sky_grid_row(to, (int) c, g),
-                                  line + c * to->pitch, at[y & 1][k], to->w);
+                                  line + c * to->pitch, B1[y & 1][k], to->w);
         }
     }
 }
@@ -174,8 +247,8 @@ static void spread_last(void *ctx, int i, int thread)
     for (int c = 0; c < 3; c++) {
         float sum = 0.0f;
         for (int y = 0; y < a->sky->level[l].h; y++)
-            sum += gp_sky_dot(w + (size_t) y * (size_t) n,
-                              gp_sky_grid_row(&a->k->light[l], c, y), n);
+            sum += dot_row(w + (size_t) y * (size_t) n,
+                           gp_sky_grid_row(&a->k->light[l], c, y), n);
         a->k->out[l][c][i] = sum;
     }
 }
@@ -244,9 +317,9 @@ static void double_row(const struct adding *a, int c, int f, float *line,
     for (int k = 0; k < n; k++)
         from[k] =
             a->k->node[a->level + 1][c] + (size_t) (f / 2 + k) * (size_t) w;
-    gp_sky_sum_rows(from, f & 1 ? ODD : EVEN, n, w, line);
+    sum_rows(from, f & 1 ? ODD : EVEN, n, w, line);
     memset(line + w, 0, 4 * sizeof *line);
-    gp_sky_between_row(line, EVEN, ODD, to->w, out);
+    between_row(line, EVEN, ODD, to->w, out);
 }
 
 /* Spreads a row of a level that has one weight a node. */
@@ -294,9 +367,9 @@ static void find_row(void *ctx, int i, int thread)
         from[n] = a->k->out[a->level][c] + (size_t) (first + n) * w;
     while (n > 1 && at[n - 1] == 0.0f)
         n--;
-    gp_sky_sum_rows(from, at, n, g->w, line);
+    sum_rows(from, at, n, g->w, line);
     continue_line(line, g->w);
-    gp_sky_divide_row(line, along + REACH, g->w, out);
+    divide_row(line, along + REACH, g->w, out);
     if (a->level < a->sky->levels - 1)
         double_row(a, c, y, line, out);
 }
@@ -343,8 +416,6 @@ static void finish_band(void *ctx, int band, int thread)
     float *const rows =
         a->k->scratch + (size_t) thread * a->k->room; // [row][c][wide]
     float *const line = rows + 3 * BAND * wide;
-    float at[2][GP_SKY_TAPS];
-    spline_rows(at);
     const int n = gp_min(BAND, h - first);
     gp_sky_near(a->sky, d->src, &a->k->index, first, n, rows, line);
     for (int r = 0; r < n; r++) {
@@ -355,8 +426,8 @@ static void finish_band(void *ctx, int band, int thread)
             const float *from[GP_SKY_TAPS];
             for (int k = 0; k < GP_SKY_TAPS; k++)
                 from[k] = a->k->node[1][c] + (size_t) ((y >> 1) + k) * nodes;
-            gp_sky_sum_rows(from, at[y & 1], GP_SKY_TAPS, (int) nodes, line);
-            gp_sky_between_row(line, at[0], at[1], w, row + (size_t) c * wide);
+            sum_rows(from, B1[y & 1], GP_SKY_TAPS, (int) nodes, line);
+            between_row(line, B1[0], B1[1], w, row + (size_t) c * wide);
             float *const to = d->layer->c[c] + (size_t) y * (size_t) w;
             write_row(row + (size_t) c * wide, w, d->add, to);
             gp_sky_cut_row(a->sky, y, to);

@@ -198,6 +198,10 @@ double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
 double gp_sky_single_error(const struct gp_sky *s, const double at[2],
                            double most, const double weight[GP_SKY_LEVELS],
                            const double *near);
+// -- add.c --------------------------------------------------------------------
+
+/* to += by * from, n of each. */
+void gp_sky_add_scaled(float *to, const float *from, float by, int n);
 
 // -- bound.c ------------------------------------------------------------------
 

@@ -3,7 +3,6 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/sky/rows.h"
 #include "glare/sky/sphere.h"
 
 #include <math.h>
