@@ -261,19 +261,15 @@ static gp_status draw_sky(const struct gp_log *log,
     if (alone)
         req->stats->engine = "levels";
     rest->added = rest->add != NULL;
-    st = gp_sky_add(log, k->sky,
-                    &(struct gp_sky_drawing) {
-                        .src = req->src,
-                        .add = !alone,
-                        .more = {stays[0], stays[1], stays[2]},
-                        .rest = rest->add,
-                        .ctx = rest->ctx,
-                        .layer = &d->f->layer,
-                    },
-                    &d->g->sky);
-    if (d->params.last)
-        gp_sky_kept_free(&d->g->sky);
-    return st;
+    return gp_sky_add(log, k->sky,
+                      &(struct gp_sky_drawing) {
+                          .src = req->src,
+                          .add = !alone,
+                          .more = {stays[0], stays[1], stays[2]},
+                          .rest = rest->add,
+                          .ctx = rest->ctx,
+                          .layer = &d->f->layer,
+                      });
 }
 
 /* Runs the engine, and adds the kernel's far field and light from beyond the
@@ -439,7 +435,6 @@ void gp_glare_close(struct gp_glare *g)
     }
     gp_outside_free(&g->outside);
     gp_far_close(&g->far);
-    gp_sky_kept_free(&g->sky);
     gp_kernel_free(&g->whole);
     g->whole_of = 0;
 }

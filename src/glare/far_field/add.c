@@ -56,10 +56,11 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
     memcpy(z + r->nx - rx, row - rx, (size_t) rx * sizeof *z);
 }
 
-struct gp_far_keeping gp_far_keep_of(double f)
+struct gp_far_keeping gp_far_keep_of(int i, int n)
 {
     enum { IMAGES = 4 };
     static const double EDGE = 0.45;
+    const double f = (double) (2 * i <= n ? i : i - n) / n;
     struct gp_far_keeping k = {
         .own = (2.0 + gp_cos(2.0 * M_PI * f)) / 3.0,
         .edge = fabs(f) > EDGE,
@@ -74,12 +75,6 @@ struct gp_far_keeping gp_far_keep_of(double f)
         k.square += v * v;
     }
     return k;
-}
-
-/* Of frequency i of n, -0.5 to 0.5 periods a step. */
-static double frequency(int i, int n)
-{
-    return (double) (2 * i <= n ? i : i - n) / n;
 }
 
 /* Figures of one channel's spectrum that limit the error. */
@@ -135,13 +130,12 @@ static gp_status find_error(const struct gp_log *log, const struct gp_far_field 
     if (st)
         return st;
     for (int i = 0; i < ny; i++)
-        down[i] = gp_far_keep_of(frequency(i, ny));
+        down[i] = gp_far_keep_of(i, ny);
     double norm1 = 0.0;
     for (int c = 0; c < (t->grey ? 1 : 3); c++) {
         struct limits l = {0};
         for (int x = 0; x <= nx / 2; x++) {
-            const struct gp_far_keeping across =
-                gp_far_keep_of(frequency(x, nx));
+            const struct gp_far_keeping across = gp_far_keep_of(x, nx);
             // the passes' factor 1 / 2 of rows was left out once
             const float *const plane = s->spectrum.m.z[c];
             limit_column(plane +

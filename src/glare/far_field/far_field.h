@@ -170,13 +170,17 @@ static inline void gp_far_spline(double t, double b[GP_FAR_TAPS])
     b[3] = t * t * t / 6.0;
 }
 
-/* A frequency of an axis, in periods a step: the transform of the spline's own
- * samples; and over that, `kept` of the band by the spline, and the sum and the
+/* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of w x h values, so many
+ * times, zero beyond them: Unser et al. 1993, part II, eq. 2.5. */
+void gp_far_divide(double *v, int w, int h, int times);
+
+/* Frequency i of n of an axis, -0.5 to 0.5 periods a step: the transform of the spline's
+ * own samples; and over that, `kept` of the band by the spline, and the sum and the
  * sum of squares of it and its images. */
 struct gp_far_keeping {
     double own, kept, sum, square;
     bool edge; // near the end of the band, whose half is 0.5
 };
-struct gp_far_keeping gp_far_keep_of(double f);
+struct gp_far_keeping gp_far_keep_of(int i, int n);
 
 #endif

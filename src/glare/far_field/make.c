@@ -154,10 +154,9 @@ struct dividing {
     double *at;
     int n, lines;
     size_t pitch, across;
+    int times;
 };
 
-/* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of lines, twice,
- * zero beyond both ends: Unser et al. 1993, part II, eq. 2.5. */
 static void divide_lines(void *ctx, int task, int thread)
 {
     static const double Z = -0.26794919243112270647; // sqrt 3 - 2
@@ -165,7 +164,7 @@ static void divide_lines(void *ctx, int task, int thread)
     const size_t pitch = d->pitch, across = d->across;
     const size_t lines = (size_t) gp_min(d->lines - task * LINES, LINES);
     (void) thread;
-    for (int twice = 0; twice < 2; twice++) {
+    for (int pass = 0; pass < d->times; pass++) {
         double *at = d->at + (size_t) task * LINES * across;
         for (int i = 1; i < d->n; i++, at += pitch) {
             for (size_t k = 0; k < lines; k++)
@@ -182,16 +181,13 @@ static void divide_lines(void *ctx, int task, int thread)
     }
 }
 
-/* Divides the splines out of a channel's samples along both axes. */
-static void divide_out(const struct gp_far_field *t, bool even, double *at)
+void gp_far_divide(double *v, int w, int h, int times)
 {
-    const int w = 2 * t->rx + 1, h = 2 * t->ry + 1;
     const size_t pitch = (size_t) w;
-    struct dividing rows = {at, w, h, 1, pitch}, columns = {at, h, w, pitch, 1};
+    struct dividing rows = {v, w, h, 1, pitch, times};
+    struct dividing columns = {v, h, w, pitch, 1, times};
     gp_parallel_do((h + LINES - 1) / LINES, divide_lines, &rows);
     gp_parallel_do((w + LINES - 1) / LINES, divide_lines, &columns);
-    if (even) // to the last bit
-        mirror(t, at);
 }
 
 /* The sum over pixels x, |x| < n, of what a node adds to a row, or to a column,
@@ -269,7 +265,9 @@ gp_status gp_far_make(const struct gp_log *log,
         if (even)
             mirror(t, s.at[c]);
         find_norms(t, c, s.at[c]);
-        divide_out(t, even, s.at[c]);
+        gp_far_divide(s.at[c], across, down, 2);
+        if (even) // to the last bit
+            mirror(t, s.at[c]);
         t->sum[c] = find_sum(&s, s.at[c]);
         for (size_t i = 0; i < n; i++)
             t->c[c][i] = (float) s.at[c][i];

@@ -16,35 +16,20 @@ enum {
     REACH = 6, // nodes that dividing splines meets on either side
 };
 
-/* Memory that frames of one size take, kept from frame to frame. */
-struct gp_sky_kept {
-    int levels;
-    struct gp_sky_grid light[GP_SKY_LEVELS]; // of levels from 1 on: moments
-    float *out[GP_SKY_LEVELS][3];            // w * h: what is spread there
-    float
-        *node[GP_SKY_LEVELS][3]; // w * h: splines of it, and of farther levels
-    struct gp_sky_index index;
-    float *scratch;
-    size_t room;                 // floats of a thread
-    struct gp_fft_matrix sphere; // coefficients of its rows
-    int sphere_w, sphere_h;
-};
-
 struct adding {
     const struct gp_sky *sky;
     const struct gp_sky_drawing *d;
-    const struct gp_sky_kept *k;
+    struct gp_sky_grid light[GP_SKY_LEVELS]; // of levels from 1 on: moments
+    struct gp_planes out[GP_SKY_LEVELS];     // what is spread there
+    struct gp_planes
+        node[GP_SKY_LEVELS]; // splines of it, and of farther levels
+    struct gp_sky_index index;
+    float *scratch; // `room` of each thread
+    size_t room;
     int level; // that tasks work on
 };
 
 // -- rows ---------------------------------------------------------------------
-
-GP_CLONES void gp_sky_add_scaled(float *restrict to, const float *restrict from,
-                                 float by, int n)
-{
-    for (int i = 0; i < n; i++)
-        to[i] += by * from[i];
-}
 
 GP_CLONES static float dot_row(const float *restrict a, const float *restrict b,
                                int n)
@@ -118,7 +103,7 @@ static const float B1[2][GP_SKY_TAPS] = {
 static void gather_few(const struct adding *a, int y, float *line)
 {
     const struct gp_sources *const src = a->d->src;
-    const size_t pitch = a->k->light[1].pitch;
+    const size_t pitch = a->light[1].pitch;
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
         const int x = src->x[i];
         const float omega =
@@ -161,7 +146,7 @@ static void gather_many(const struct adding *a, int y, float *line,
             even[(x & 1) * half + x / 2] = solid[x] * src->rgb[c][i];
         }
         gather_row(even, even + half, (src->w + 1) / 2 + BEFORE,
-                   line + c * a->k->light[1].pitch);
+                   line + c * a->light[1].pitch);
     }
 }
 
@@ -171,14 +156,9 @@ static void gather_band(void *ctx, int band, int thread)
     enum { FEW = 64 };
     const struct adding *const a = ctx;
     const struct gp_sources *const src = a->d->src;
-    const struct gp_sky_grid *const to = &a->k->light[1];
-    float *const line = a->k->scratch + (size_t) thread * a->k->room;
+    const struct gp_sky_grid *const to = &a->light[1];
+    float *const line = a->scratch + (size_t) thread * a->room;
     const int from = band * BAND, end = gp_min(from + BAND, to->h);
-    for (int g = from; g < end; g++) {
-        for (int c = 0; c < 3; c++)
-            memset(gp_sky_grid_row(to, c, g), 0,
-                   (size_t) to->w * sizeof(float));
-    }
     // node row g lies on pixel row 2 (g - 1), and meets three on each side
     for (int y = gp_max(2 * from - 5, 0); y < gp_min(2 * end + 2, src->h);
          y++) {
@@ -207,11 +187,11 @@ static void halve_row(void *ctx, int i, int thread)
 {
     static const float B[5] = {0.125f, 0.5f, 0.75f, 0.5f, 0.125f};
     const struct adding *const a = ctx;
-    const struct gp_sky_grid *const to = &a->k->light[a->level];
-    const struct gp_sky_grid *const from = &a->k->light[a->level - 1];
+    const struct gp_sky_grid *const to = &a->light[a->level];
+    const struct gp_sky_grid *const from = &a->light[a->level - 1];
     const int c = i / to->h, g = i % to->h;
     float *const out = gp_sky_grid_row(to, c, g);
-    float *const line = a->k->scratch + (size_t) thread * a->k->room + 4;
+    float *const line = a->scratch + (size_t) thread * a->room + 4;
     // nodes before and after those of `from` are black
     memset(line - 4, 0, ((size_t) from->w + 16) * sizeof *line);
     for (int k = 0; k < 5; k++) {
@@ -231,9 +211,8 @@ static void halve_row(void *ctx, int i, int thread)
 static void spread_rows(void *ctx, int group, int thread)
 {
     const struct adding *const a = ctx;
-    gp_sky_spread(a->sky, a->level, &a->k->light[a->level], group,
-                  a->k->out[a->level],
-                  a->k->scratch + (size_t) thread * a->k->room);
+    gp_sky_spread(a->sky, a->level, &a->light[a->level], group,
+                  a->out[a->level].c, a->scratch + (size_t) thread * a->room);
 }
 
 /* Node i of the last level. */
@@ -248,8 +227,8 @@ static void spread_last(void *ctx, int i, int thread)
         float sum = 0.0f;
         for (int y = 0; y < a->sky->level[l].h; y++)
             sum += dot_row(w + (size_t) y * (size_t) n,
-                           gp_sky_grid_row(&a->k->light[l], c, y), n);
-        a->k->out[l][c][i] = sum;
+                           gp_sky_grid_row(&a->light[l], c, y), n);
+        a->out[l].c[c][i] = sum;
     }
 }
 
@@ -316,7 +295,7 @@ static void double_row(const struct adding *a, int c, int f, float *line,
     const float *from[3];
     for (int k = 0; k < n; k++)
         from[k] =
-            a->k->node[a->level + 1][c] + (size_t) (f / 2 + k) * (size_t) w;
+            a->node[a->level + 1].c[c] + (size_t) (f / 2 + k) * (size_t) w;
     sum_rows(from, f & 1 ? ODD : EVEN, n, w, line);
     memset(line + w, 0, 4 * sizeof *line);
     between_row(line, EVEN, ODD, to->w, out);
@@ -328,8 +307,8 @@ GP_CLONES static void weigh_row(const struct gp_sky *s,
                                 const float *restrict light,
                                 float *restrict out)
 {
-    double slope, cubic[4];
-    const double t = gp_sky_place_of(s, 1, (y - 1) * g->step, &slope);
+    double cubic[4];
+    const double t = gp_sky_place_of(s, 1, (y - 1) * g->step);
     const float *const line =
         g->line +
         (size_t) gp_sky_cubic(t, s->places.n[1], cubic) * (size_t) g->w;
@@ -350,21 +329,20 @@ static void find_row(void *ctx, int i, int thread)
     const struct gp_sky_level *const g = &a->sky->level[a->level];
     const int c = i / g->h, y = i % g->h;
     const size_t w = (size_t) g->w;
-    float *const line = a->k->scratch + (size_t) thread * a->k->room + REACH;
-    float *const out = a->k->node[a->level][c] + (size_t) y * w;
+    float *const line = a->scratch + (size_t) thread * a->room + REACH;
+    float *const out = a->node[a->level].c[c] + (size_t) y * w;
     float at[2 * REACH + 1 + 6], along[2 * REACH + 1 + 6];
     const float *from[2 * REACH + 1 + 6];
     int first, middle, n = 0;
     if (a->sky->single && a->level < a->sky->levels - 1) {
-        weigh_row(a->sky, g, y, gp_sky_grid_row(&a->k->light[a->level], c, y),
-                  out);
+        weigh_row(a->sky, g, y, gp_sky_grid_row(&a->light[a->level], c, y), out);
         double_row(a, c, y, line, out);
         return;
     }
     divide_weights(y, g->h, at, &first);
     divide_weights(4 * REACH, 8 * REACH + 1, along, &middle);
     for (; n < 2 * REACH + 1 + 6 && first + n < g->h; n++)
-        from[n] = a->k->out[a->level][c] + (size_t) (first + n) * w;
+        from[n] = a->out[a->level].c[c] + (size_t) (first + n) * w;
     while (n > 1 && at[n - 1] == 0.0f)
         n--;
     sum_rows(from, at, n, g->w, line);
@@ -414,10 +392,10 @@ static void finish_band(void *ctx, int band, int thread)
     const int w = d->src->w, h = d->src->h, first = band * BAND;
     const size_t wide = gp_sky_row_room(w), nodes = (size_t) a->sky->level[1].w;
     float *const rows =
-        a->k->scratch + (size_t) thread * a->k->room; // [row][c][wide]
+        a->scratch + (size_t) thread * a->room; // [row][c][wide]
     float *const line = rows + 3 * BAND * wide;
     const int n = gp_min(BAND, h - first);
-    gp_sky_near(a->sky, d->src, &a->k->index, first, n, rows, line);
+    gp_sky_near(a->sky, d->src, &a->index, first, n, rows, line);
     for (int r = 0; r < n; r++) {
         const int y = first + r;
         float *const row = rows + (size_t) r * 3 * wide;
@@ -425,7 +403,7 @@ static void finish_band(void *ctx, int band, int thread)
         for (int c = 0; c < 3; c++) {
             const float *from[GP_SKY_TAPS];
             for (int k = 0; k < GP_SKY_TAPS; k++)
-                from[k] = a->k->node[1][c] + (size_t) ((y >> 1) + k) * nodes;
+                from[k] = a->node[1].c[c] + (size_t) ((y >> 1) + k) * nodes;
             sum_rows(from, B1[y & 1], GP_SKY_TAPS, (int) nodes, line);
             between_row(line, B1[0], B1[1], w, row + (size_t) c * wide);
             float *const to = d->layer->c[c] + (size_t) y * (size_t) w;
@@ -439,60 +417,20 @@ static void finish_band(void *ctx, int band, int thread)
 
 // -- all of it ----------------------------------------------------------------
 
-void gp_sky_kept_free(struct gp_sky_kept **kept)
+static gp_status alloc_levels(const struct gp_log *log, struct adding *a)
 {
-    struct gp_sky_kept *const k = *kept;
-    for (int l = 1; k && l < k->levels; l++) {
-        gp_sky_grid_free(&k->light[l]);
-        gp_free(k->out[l][0]);
-        gp_free(k->node[l][0]);
-    }
-    if (k) {
-        gp_free(k->index.at);
-        gp_free(k->scratch);
-        gp_fft_matrix_free(&k->sphere);
-    }
-    GP_FREE(*kept);
-}
-
-/* Tests whether what is kept fits. */
-static bool is_kept(const struct gp_sky_kept *k, const struct gp_sky *s)
-{
-    bool same = k && k->levels == s->levels && k->room == gp_sky_room(s);
-    for (int l = 1; same && l < s->levels; l++)
-        same = gp_sky_grid_fits(&k->light[l], &s->level[l]);
-    return same;
-}
-
-static gp_status keep(const struct gp_log *log, const struct gp_sky *s,
-                      struct gp_sky_kept **out)
-{
-    struct gp_sky_kept *k;
     gp_status st = GP_OK;
-    if (is_kept(*out, s))
-        return GP_OK;
-    gp_sky_kept_free(out);
-    GP_TRY(gp_alloc_zero(log, "layer", 1, sizeof *k, &k));
-    *out = k;
-    k->levels = s->levels;
-    for (int l = 1; l < s->levels; l++) {
-        const struct gp_sky_level *const g = &s->level[l];
+    for (int l = 1; l < a->sky->levels; l++) {
+        const struct gp_sky_level *const g = &a->sky->level[l];
         const size_t n = (size_t) g->w * (size_t) g->h;
-        GP_TRY(gp_sky_grid_make(log, g, &k->light[l]));
-        GP_TRY(gp_alloc(log, "layer", 3 * n, sizeof(float), &k->out[l][0]));
-        GP_TRY(gp_alloc(log, "layer", 3 * n, sizeof(float), &k->node[l][0]));
-        for (int c = 1; c < 3; c++) {
-            k->out[l][c] = k->out[l][c - 1] + n;
-            k->node[l][c] = k->node[l][c - 1] + n;
-        }
+        GP_TRY(gp_sky_grid_make(log, g, &a->light[l]));
+        GP_TRY(gp_planes_make(log, "layer", n, &a->out[l]));
+        GP_TRY(gp_planes_make(log, "layer", n, &a->node[l]));
     }
-    GP_TRY(gp_sky_index_make(log, s->p.w, s->p.h, &k->index));
-    k->room = gp_sky_room(s);
-    st = gp_alloc(log, "layer", k->room * (size_t) gp_threads(), sizeof(float),
-                  &k->scratch);
+    a->room = gp_sky_room(a->sky);
+    st = gp_alloc(log, "layer", a->room * (size_t) gp_threads(), sizeof(float),
+                  &a->scratch);
 out:
-    if (st)
-        gp_sky_kept_free(out);
     return st;
 }
 
@@ -518,44 +456,25 @@ static gp_status take_within(const struct gp_log *log,
     return st;
 }
 
-static gp_status add_sphere(const struct gp_log *log, const struct gp_sky *sky,
-                            const struct gp_sky_drawing *d,
-                            struct gp_sky_kept **kept)
-{
-    const int w = sky->sphere->w, h = sky->sphere->h;
-    gp_status st = GP_OK;
-    if (*kept && ((*kept)->sphere_w != w || (*kept)->sphere_h != h))
-        gp_sky_kept_free(kept);
-    if (!*kept)
-        st = gp_alloc_zero(log, "layer", 1, sizeof **kept, kept);
-    if (st)
-        return st;
-    (*kept)->sphere_w = w;
-    (*kept)->sphere_h = h;
-    return gp_sky_sphere_add(log, sky, d, &(*kept)->sphere);
-}
-
 gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
-                     const struct gp_sky_drawing *d, struct gp_sky_kept **kept)
+                     const struct gp_sky_drawing *d)
 {
-    if (sky->sphere)
-        return add_sphere(log, sky, d, kept);
     struct gp_sources within = {0};
     struct gp_sky_drawing own = *d;
-    gp_status st = keep(log, sky, kept);
-    if (!st && sky->p.projection.rim > 0.0) {
-        st = take_within(log, &sky->p.projection, d->src, &within);
+    struct adding a = {.sky = sky, .d = &own};
+    const int last = sky->levels - 1;
+    gp_status st;
+    if (sky->sphere)
+        return gp_sky_sphere_add(log, sky, d);
+    if (sky->p.projection.rim > 0.0) {
+        GP_TRY(take_within(log, &sky->p.projection, d->src, &within));
         own.src = &within;
     }
-    if (st)
-        return st;
-    const struct gp_sky_kept *const k = *kept;
-    struct adding a = {.sky = sky, .d = &own, .k = k};
-    const int last = sky->levels - 1;
-    gp_sky_index_fill(&k->index, own.src);
-    gp_parallel_do((k->light[1].h + BAND - 1) / BAND, gather_band, &a);
+    GP_TRY(alloc_levels(log, &a));
+    GP_TRY(gp_sky_index_make(log, own.src, &a.index));
+    gp_parallel_do((a.light[1].h + BAND - 1) / BAND, gather_band, &a);
     for (a.level = 2; a.level <= last; a.level++)
-        gp_parallel_do(3 * k->light[a.level].h, halve_row, &a);
+        gp_parallel_do(3 * a.light[a.level].h, halve_row, &a);
     gp_parallel_do(sky->level[last].w * sky->level[last].h, spread_last, &a);
     for (a.level = last; a.level >= 1; a.level--) {
         const struct gp_sky_level *const g = &sky->level[a.level];
@@ -564,6 +483,14 @@ gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
         gp_parallel_do(3 * g->h, find_row, &a);
     }
     gp_parallel_do((d->src->h + BAND - 1) / BAND, finish_band, &a);
+out:
     gp_sources_free(&within);
-    return GP_OK;
+    for (int l = 1; l < sky->levels; l++) {
+        gp_sky_grid_free(&a.light[l]);
+        gp_planes_free(&a.out[l]);
+        gp_planes_free(&a.node[l]);
+    }
+    gp_free(a.index.at);
+    gp_free(a.scratch);
+    return st;
 }

@@ -63,11 +63,6 @@ static void find_spectrum(const double *v, int n,
     }
 }
 
-static struct gp_far_keeping keep_of(int i, int n)
-{
-    return gp_far_keep_of((double) (i <= n / 2 ? i : i - n) / n);
-}
-
 /* Fades samples out in the outer quarter of a line: of far levels some have no end in
  * a perspective, whose horizon is infinitely far away. */
 static double fade(int i, int n)
@@ -122,8 +117,8 @@ static struct errors level_error(const struct gp_sky *s, int l,
     find_spectrum(term, n, spectrum);
     for (int j = 0; j < n; j++) {
         for (int i = 0; i < n; i++) {
-            const struct gp_far_keeping across = keep_of(i, n),
-                                        down = keep_of(j, n);
+            const struct gp_far_keeping across = gp_far_keep_of(i, n),
+                                        down = gp_far_keep_of(j, n);
             const double kept = across.kept * down.kept;
             const double eps =
                 sqrt(fmax(across.square * down.square - kept * kept, 0.0));

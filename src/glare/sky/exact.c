@@ -14,43 +14,42 @@ struct exact {
     double *layer;
 };
 
-/* The share of the light of a source that a pixel far from it gets. */
-static double share_of(const struct gp_sky *s, const double at[2],
-                       const double from[2], double most)
-{
-    const struct gp_projection *const p = &s->p.projection;
-    const double c = gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
-    return gp_projection_solid(p, from[0], from[1]) *
-           gp_sky_mean(&s->light, p, 0.0, 0.0, gp_sky_order(sqrt(c) / most), at,
-                       from);
-}
-
 /* Pixels around one within two of its longest sides, the longest pixel that levels
  * serve being 16 times as long as wide. */
 enum { NEAR = 34, SIDE = 2 * NEAR + 1 };
 
-/* Those of pixel `at`; false: (dx, dy) is none of them, `most` its longest side. */
-static bool is_near(const struct gp_sky_ellipse *o, double c, int dx, int dy,
-                    int r[2])
+/* What pixels around one get, from the first of them on that is asked for. */
+struct rings {
+    bool known;
+    double near[SIDE * SIDE];
+};
+
+static double share_of(const struct gp_sky *s, const double at[2],
+                       const double from[2], const struct gp_sky_ellipse *o,
+                       struct rings *rings)
 {
-    r[0] = gp_min((int) ceil(2.0 * o->most * o->x) + 1, NEAR);
-    r[1] = gp_min((int) ceil(2.0 * o->most * o->y) + 1, NEAR);
-    return c < 4.0 * o->most * o->most && abs(dx) <= r[0] && abs(dy) <= r[1];
+    const int rx = gp_min((int) ceil(2.0 * o->most * o->x) + 1, NEAR);
+    const int ry = gp_min((int) ceil(2.0 * o->most * o->y) + 1, NEAR);
+    const int dx = (int) (at[0] - from[0]), dy = (int) (at[1] - from[1]);
+    const bool close = abs(dx) <= rx && abs(dy) <= ry;
+    if (close && !rings->known) {
+        memset(rings->near, 0, sizeof rings->near);
+        gp_sky_rings(&s->light, &s->p.projection, at, rx, ry, rings->near);
+        rings->known = true;
+    }
+    return gp_sky_pixel(s, at, from, o->most,
+                        close ? rings->near[(dy + ry) * (2 * rx + 1) + dx + rx]
+                              : 0.0);
 }
 
 double gp_sky_share(const struct gp_sky *s, const double at[2],
                     const double from[2])
 {
-    const struct gp_projection *const p = &s->p.projection;
-    const struct gp_sky_ellipse o = gp_sky_ellipse_at(p, at[0], at[1]);
-    const double c = gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
-    const int dx = (int) (at[0] - from[0]), dy = (int) (at[1] - from[1]);
-    double near[SIDE * SIDE] = {0};
-    int r[2];
-    if (!is_near(&o, c, dx, dy, r))
-        return share_of(s, at, from, o.most);
-    gp_sky_rings(&s->light, p, at, r[0], r[1], near);
-    return near[(dy + r[1]) * (2 * r[0] + 1) + dx + r[0]];
+    const struct gp_sky_ellipse o =
+        gp_sky_ellipse_at(&s->p.projection, at[0], at[1]);
+    struct rings rings;
+    rings.known = false;
+    return share_of(s, at, from, &o, &rings);
 }
 
 /* The sums of a pixel of a sphere. */
@@ -78,18 +77,14 @@ static void sum_sphere(const struct gp_sky *s, const struct gp_sources *src,
     }
 }
 
-/* The sums of pixel (x, y); `near`: scratch of its rings. */
 static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
-                      int x, int y, double near[SIDE * SIDE], double sum[3])
+                      int x, int y, double sum[3])
 {
     const struct gp_projection *const p = &s->p.projection;
     const double at[2] = {x, y};
     const struct gp_sky_ellipse o = gp_sky_ellipse_at(p, x, y);
-    if (s->sphere) {
-        sum_sphere(s, src, x, y, sum);
-        return;
-    }
-    bool known = false;
+    struct rings rings;
+    rings.known = false;
     for (int sy = 0; sy < src->h; sy++) {
         int span[2];
         gp_projection_span(p, 0.0, sy, src->w, span);
@@ -97,22 +92,9 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
             const double from[2] = {src->x[i], sy};
             if (src->x[i] < span[0] || src->x[i] >= span[1])
                 continue;
-            const int dx = x - src->x[i], dy = y - sy;
-            const double c = gp_projection_chord2(p, x, y, from[0], sy);
-            double share;
-            int r[2];
-            if (!is_near(&o, c, dx, dy, r)) {
-                share = share_of(s, at, from, o.most);
-            } else {
-                if (!known) {
-                    memset(near, 0, SIDE * SIDE * sizeof *near);
-                    gp_sky_rings(&s->light, p, at, r[0], r[1], near);
-                }
-                known = true;
-                share = near[(dy + r[1]) * (2 * r[0] + 1) + dx + r[0]];
-                if (!dx && !dy)
-                    share += s->light.stays - s->given;
-            }
+            double share = share_of(s, at, from, &o, &rings);
+            if (src->x[i] == x && sy == y)
+                share += s->light.stays - s->given;
             for (size_t k = 0; k < 3; k++)
                 sum[k] += share * (double) src->rgb[k][i];
         }
@@ -124,7 +106,6 @@ static void exact_row(void *ctx, int y, int thread)
     const struct exact *const e = ctx;
     const struct gp_sources *const src = e->src;
     const size_t w = (size_t) src->w, plane = w * (size_t) src->h;
-    double near[SIDE * SIDE];
     int span[2];
     (void) thread;
     gp_projection_span(&e->sky->p.projection, 0.0, y, src->w, span);
@@ -135,7 +116,7 @@ static void exact_row(void *ctx, int y, int thread)
         if (isnan(e->layer[i]))
             continue;
         if (seen)
-            sum_pixel(e->sky, src, x, y, near, sum);
+            (e->sky->sphere ? sum_sphere : sum_pixel)(e->sky, src, x, y, sum);
         for (size_t k = 0; k < 3; k++) {
             double *const to = &e->layer[k * plane + i];
             *to = seen ? *to + sum[k] : 0.0;

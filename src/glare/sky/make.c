@@ -132,7 +132,7 @@ static void make_pairs(void *ctx, int i, int thread)
                                 (k / w - MARGIN - 1) * g->step};
         v[k] = gp_sky_term(s, l, true, at, from, most);
     }
-    gp_sky_divide(v, w, h);
+    gp_far_divide(v, w, h, 1);
     for (int k = 0; k < g->w * g->h; k++)
         out[k] = (float) v[(k / g->w + MARGIN) * w + k % g->w + MARGIN];
 }

@@ -30,18 +30,17 @@ static void index_row(void *ctx, int y, int thread)
     at[a->index->blocks] = s->row[y + 1];
 }
 
-gp_status gp_sky_index_make(const struct gp_log *log, int w, int h,
+gp_status gp_sky_index_make(const struct gp_log *log,
+                            const struct gp_sources *src,
                             struct gp_sky_index *out)
 {
-    out->blocks = (w + BLOCK - 1) / BLOCK;
-    return gp_alloc(log, "layer", (size_t) h * (size_t) (out->blocks + 1),
-                    sizeof *out->at, &out->at);
-}
-
-void gp_sky_index_fill(const struct gp_sky_index *index,
-                       const struct gp_sources *src)
-{
-    gp_parallel_do(src->h, index_row, &(struct indexing) {src, index});
+    out->blocks = (src->w + BLOCK - 1) / BLOCK;
+    const gp_status st =
+        gp_alloc(log, "layer", (size_t) src->h * (size_t) (out->blocks + 1),
+                 sizeof *out->at, &out->at);
+    if (!st)
+        gp_parallel_do(src->h, index_row, &(struct indexing) {src, out});
+    return st;
 }
 
 /* Rows of sources that reach a band. */

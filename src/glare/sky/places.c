@@ -11,27 +11,22 @@ static double scale_of(const struct gp_projection *p, int axis)
     return axis ? p->dy : p->dx;
 }
 
-/* The place coordinate of a pixel along an axis, times its step, and its slope. Of a
+/* The place coordinate of a pixel along an axis, times its step. Of a
  * PERSPECTIVE it is asinh u: towards the border the metric changes by as much for each
  * step of it. */
-static double angle_of(const struct gp_projection *p, int axis, double at,
-                       double *slope)
+static double angle_of(const struct gp_projection *p, int axis, double at)
 {
     const double u = (at - (axis ? p->y0 : p->x0)) * scale_of(p, axis);
-    *slope = scale_of(p, axis);
     if (p->kind != GP_PERSPECTIVE)
         return u;
     const double root = sqrt(1.0 + u * u);
-    *slope /= root;
     return u < 0.0 ? -gp_log(root - u) : gp_log(root + u);
 }
 
-double gp_sky_place_of(const struct gp_sky *s, int axis, double x,
-                       double *slope)
+double gp_sky_place_of(const struct gp_sky *s, int axis, double x)
 {
-    const double t = angle_of(&s->p.projection, axis, x, slope);
-    *slope /= s->places.step[axis];
-    return (t - s->places.first[axis]) / s->places.step[axis];
+    return (angle_of(&s->p.projection, axis, x) - s->places.first[axis]) /
+           s->places.step[axis];
 }
 
 void gp_sky_place_at(const struct gp_sky *s, int i, double at[2])
@@ -68,12 +63,10 @@ void gp_sky_lay_places(struct gp_sky *s)
     static const double APART = 0.125; // radians: cubics keep 1e-4 of weights
     for (int axis = 0; axis < 2; axis++) {
         const int n = axis ? s->p.h : s->p.w;
-        double slope;
         const double beyond = s->levels > 2 ? ldexp(1.0, s->levels - 2) : 0.0;
-        const double from =
-            angle_of(&s->p.projection, axis, -2.0 * beyond, &slope);
+        const double from = angle_of(&s->p.projection, axis, -2.0 * beyond);
         const double to =
-            angle_of(&s->p.projection, axis, n - 1.0 + 2.0 * beyond, &slope);
+            angle_of(&s->p.projection, axis, n - 1.0 + 2.0 * beyond);
         const int cells = (int) ceil((to - from) / APART) + 1;
         s->places.step[axis] = fmax((to - from) / cells, 1e-9);
         s->places.first[axis] = from - s->places.step[axis];
@@ -89,8 +82,8 @@ gp_status gp_sky_columns(const struct gp_log *log, const struct gp_sky *s,
     gp_status st = gp_alloc(log, "kernel", (size_t) n, sizeof **out, out);
     for (int i = 0; i < n && !st; i++) {
         struct gp_sky_column *const b = &(*out)[i];
-        double slope, at[4];
-        const double t = gp_sky_place_of(s, 0, first + i * step, &slope);
+        double at[4];
+        const double t = gp_sky_place_of(s, 0, first + i * step);
         b->place = gp_sky_cubic(t, s->places.n[0], at);
         for (int k = 0; k < 4; k++)
             b->at[k] = (float) at[k];
@@ -107,8 +100,8 @@ void gp_sky_own(const struct gp_sky *s, int w, int h, int y, const int32_t *x,
         return;
     }
     const struct gp_sky_column *const column = s->column + (s->p.w - w) / 2;
-    double t, slope, at[4], line[4] = {0};
-    t = gp_sky_place_of(s, 1, y + (s->p.h - h) / 2, &slope);
+    const double t = gp_sky_place_of(s, 1, y + (s->p.h - h) / 2);
+    double at[4], line[4] = {0};
     const int down = gp_sky_cubic(t, s->places.n[1], at);
     int known = -1;
     for (size_t i = 0; i < n; i++) {

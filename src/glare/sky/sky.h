@@ -75,14 +75,10 @@ struct gp_sky_drawing {
     struct gp_planes *layer;
 };
 
-/* *kept is NULL at first, and kept by the caller from frame to frame.
- * Errors: GP_ERR_BUG out of memory. */
-struct gp_sky_kept;
+/* Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sky_add(const struct gp_log *log,
                                    const struct gp_sky *sky,
-                                   const struct gp_sky_drawing *d,
-                                   struct gp_sky_kept **kept);
-void gp_sky_kept_free(struct gp_sky_kept **kept);
+                                   const struct gp_sky_drawing *d);
 
 /* Fills `own` with the share of its light that the levels leave in each of n pixels,
  * of columns x, which ascend, in row y of a frame of w x h pixels in the middle of

@@ -161,9 +161,6 @@ double gp_sky_term(const struct gp_sky *s, int level, bool last,
 double gp_sky_soft_term(const struct gp_sky *s, int level, double most,
                         double c);
 
-/* Divides the samples of the cubic B-spline out of w x h terms, zero beyond. */
-void gp_sky_divide(double *v, int w, int h);
-
 /* The light that pixel `at` gets from pixel `from`, of which gp_sky_rings() has put
  * `ringed` there where both are near. */
 double gp_sky_pixel(const struct gp_sky *s, const double at[2],
@@ -198,7 +195,8 @@ double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
 double gp_sky_single_error(const struct gp_sky *s, const double at[2],
                            double most, const double weight[GP_SKY_LEVELS],
                            const double *near);
-// -- add.c --------------------------------------------------------------------
+
+// -- sum.c --------------------------------------------------------------------
 
 /* to += by * from, n of each. */
 void gp_sky_add_scaled(float *to, const float *from, float by, int n);
@@ -225,9 +223,8 @@ GP_MUST_CHECK gp_status gp_sky_columns(const struct gp_log *log,
                                        double first, double step,
                                        struct gp_sky_column **out);
 
-/* The place coordinate of x (axis 0) or y, and *slope, by a pixel. */
-double gp_sky_place_of(const struct gp_sky *s, int axis, double x,
-                       double *slope);
+/* The place coordinate of x (axis 0) or y. */
+double gp_sky_place_of(const struct gp_sky *s, int axis, double x);
 
 /* The pixel of place i; of one far beyond a fisheye's rim, nearer to that. */
 void gp_sky_place_at(const struct gp_sky *s, int i, double at[2]);

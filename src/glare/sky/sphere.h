@@ -67,10 +67,9 @@ void gp_sky_sphere_free(struct gp_sky_sphere **sphere);
 double gp_sky_sphere_mean(const struct gp_sky *s, const double at[2],
                           const double from[2]);
 
-/* gp_sky_add() of a sphere; *m is made at first, and kept. */
+/* gp_sky_add() of a sphere. */
 GP_MUST_CHECK gp_status gp_sky_sphere_add(const struct gp_log *log,
                                           const struct gp_sky *s,
-                                          const struct gp_sky_drawing *d,
-                                          struct gp_fft_matrix *m);
+                                          const struct gp_sky_drawing *d);
 
 #endif

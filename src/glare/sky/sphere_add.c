@@ -427,11 +427,11 @@ static void finish_band(void *ctx, int band, int thread)
 // -- all of it ----------------------------------------------------------------
 
 gp_status gp_sky_sphere_add(const struct gp_log *log, const struct gp_sky *s,
-                            const struct gp_sky_drawing *d,
-                            struct gp_fft_matrix *m)
+                            const struct gp_sky_drawing *d)
 {
     const struct gp_sky_sphere *const o = s->sphere;
-    struct adding a = {.s = s, .o = o, .d = d, .m = m};
+    struct gp_fft_matrix m = {0};
+    struct adding a = {.s = s, .o = o, .d = d, .m = &m};
     const struct gp_fft_request req = {
         .log = log, .x = &o->around, .channels = 3};
     gp_status st = GP_OK;
@@ -443,15 +443,15 @@ gp_status gp_sky_sphere_add(const struct gp_log *log, const struct gp_sky *s,
     const size_t lines = band_room(o) * sizeof(float);
     a.room = (a.room > lines ? a.room : lines) + GP_POINT_BYTES;
     a.room -= a.room % GP_POINT_BYTES;
-    if (!m->z[0])
-        GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, 3, o->w,
-                                  o->h, m));
+    GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, 3, o->w, o->h,
+                              &m));
     GP_TRY(gp_alloc(log, "layer", a.room, (size_t) gp_threads(), &a.scratch));
-    GP_TRY(gp_fft_rows_in(&req, o->h, load_row, &a, m));
-    gp_parallel_do(m->blocks, spread_block, &a);
-    GP_TRY(gp_fft_rows_out(&req, m, o->h, store_row, &a));
+    GP_TRY(gp_fft_rows_in(&req, o->h, load_row, &a, &m));
+    gp_parallel_do(m.blocks, spread_block, &a);
+    GP_TRY(gp_fft_rows_out(&req, &m, o->h, store_row, &a));
     gp_parallel_do((d->src->h + BAND - 1) / BAND, finish_band, &a);
 out:
+    gp_fft_matrix_free(&m);
     gp_free(a.scratch);
     return st;
 }

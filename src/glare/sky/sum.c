@@ -27,6 +27,13 @@ typedef float loose_wide
 
 // -- light --------------------------------------------------------------------
 
+GP_CLONES void gp_sky_add_scaled(float *restrict to, const float *restrict from,
+                                 float by, int n)
+{
+    for (int i = 0; i < n; i++)
+        to[i] += by * from[i];
+}
+
 gp_status gp_sky_grid_make(const struct gp_log *log,
                            const struct gp_sky_level *g,
                            struct gp_sky_grid *out)
@@ -45,12 +52,6 @@ gp_status gp_sky_grid_make(const struct gp_log *log,
         t.v[c] = t.v[c - 1] + rows * t.pitch;
     *out = t;
     return GP_OK;
-}
-
-bool gp_sky_grid_fits(const struct gp_sky_grid *t, const struct gp_sky_level *g)
-{
-    return t->w == g->w && t->h == g->h && t->rx == g->rx + LANES &&
-           t->ry == g->ry;
 }
 
 void gp_sky_grid_free(struct gp_sky_grid *g)
@@ -75,8 +76,6 @@ size_t gp_sky_weights_room(const struct gp_sky *s, const struct gp_sky_level *g)
            g->pitch + 4 * BLOCK;
 }
 
-/* Opens weights for the rows [first, first + n) of a level, in scratch; returns
- * what is left of that. */
 float *gp_sky_weights_open(const struct gp_sky *s, int l, int first, int n,
                            float *scratch, struct gp_sky_weights *w)
 {
@@ -84,7 +83,7 @@ float *gp_sky_weights_open(const struct gp_sky *s, int l, int first, int n,
     const size_t columns = (size_t) s->places.n[0];
     const size_t rows = 2 * (size_t) g->ry + 1;
     const double before = l ? -g->step : 0.0;
-    double slope, at[4], t;
+    double at[4], t;
     *w = (struct gp_sky_weights) {.s = s,
                                   .g = g,
                                   .middle = 0.5 * (n - 1),
@@ -93,10 +92,10 @@ float *gp_sky_weights_open(const struct gp_sky *s, int l, int first, int n,
                                   .spanned = -1,
                                   .block = -1,
                                   .by_wide = gp_cpu_wide()};
-    t = gp_sky_place_of(s, 1, before + (first + w->middle) * g->step, &slope);
+    t = gp_sky_place_of(s, 1, before + (first + w->middle) * g->step);
     w->place = gp_sky_cubic(t, s->places.n[1], at);
     for (int r = 0; r < n; r++) {
-        t = gp_sky_place_of(s, 1, before + (first + r) * g->step, &slope);
+        t = gp_sky_place_of(s, 1, before + (first + r) * g->step);
         // by the same four, beyond which a group is but little
         (void) gp_sky_cubic(t - w->place, 4, w->row[r]);
     }
@@ -240,7 +239,6 @@ static void add_column(struct gp_sky_weights *w, const struct gp_sky_column *b,
     }
 }
 
-/* Finds the weights of block i. */
 void gp_sky_find_block(struct gp_sky_weights *w, int i)
 {
     const struct gp_sky_level *const g = w->g;
@@ -251,7 +249,6 @@ void gp_sky_find_block(struct gp_sky_weights *w, int i)
     w->block = i + 1;
 }
 
-/* Fills the factors that make the sum of a block's weights right in each row. */
 void gp_sky_find_factors(const struct gp_sky_weights *w, int i, int n,
                          float *factor)
 {
@@ -387,8 +384,6 @@ void gp_sky_sum_dense(const struct gp_sky_weights *w,
         w, light, x, y, w->g->tilts ? down : NULL, sum);
 }
 
-/* Adds the sources [from, to) of a row, `down` rows above row r of the group, the first
- * of ROWS rows whose block starts at column x. */
 GP_CLONES void gp_sky_sum_few(const struct gp_sky_weights *w,
                               const struct gp_sources *src, uint32_t from,
                               uint32_t to, int x, int down, int r,
@@ -450,8 +445,6 @@ GP_CLONES static void sum_node(const struct gp_sky_weights *w,
 
 // -- rows ---------------------------------------------------------------------
 
-/* A row of a level whose weights are found for each node; `light` has it as row y.
- * Of channel c at to + c * across. */
 void gp_sky_sum_nodes(const struct gp_sky *s, int l, int row,
                       const struct gp_sky_grid *light, int y, size_t across,
                       float *to, float *scratch)
@@ -470,8 +463,6 @@ void gp_sky_sum_nodes(const struct gp_sky *s, int l, int row,
     }
 }
 
-/* Puts a block's sums, times factors, into rows: of channel c and row r at
- * to + r * down + c * across. */
 void gp_sky_put_block(float sum[ROWS][3][BLOCK], const float *factor,
                       int columns, int n, size_t down, size_t across, float *to)
 {

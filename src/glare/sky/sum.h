@@ -16,8 +16,6 @@ struct gp_sky_grid {
 GP_MUST_CHECK gp_status gp_sky_grid_make(const struct gp_log *log,
                                          const struct gp_sky_level *g,
                                          struct gp_sky_grid *out);
-bool gp_sky_grid_fits(const struct gp_sky_grid *t,
-                      const struct gp_sky_level *g);
 void gp_sky_grid_free(struct gp_sky_grid *g);
 
 static inline float *gp_sky_grid_row(const struct gp_sky_grid *g, int c, int y)
@@ -39,10 +37,9 @@ struct gp_sky_index {
     int blocks;
     uint32_t *at; // owned
 };
-GP_MUST_CHECK gp_status gp_sky_index_make(const struct gp_log *log, int w,
-                                          int h, struct gp_sky_index *out);
-void gp_sky_index_fill(const struct gp_sky_index *index,
-                       const struct gp_sources *src);
+GP_MUST_CHECK gp_status gp_sky_index_make(const struct gp_log *log,
+                                          const struct gp_sources *src,
+                                          struct gp_sky_index *out);
 
 /* Floats of scratch for a thread. */
 size_t gp_sky_room(const struct gp_sky *s);

@@ -1,30 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Weights at a place. */
 #include "core/minmax.h"
+#include "glare/far_field/far_field.h"
 #include "glare/sky/sky_priv.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of a line, of which
- * neither end matters: Unser et al. 1993, part II, eq. 2.5. */
-static void divide_line(double *v, int n, ptrdiff_t step)
-{
-    static const double Z = -0.26794919243112270647; // sqrt 3 - 2
-    for (int i = 1; i < n; i++)
-        v[i * step] += Z * v[(i - 1) * step];
-    v[(n - 1) * step] *= 6.0 * -Z / (1.0 - Z * Z);
-    for (int i = n - 2; i >= 0; i--)
-        v[i * step] = Z * (v[(i + 1) * step] - 6.0 * v[i * step]);
-}
-
-void gp_sky_divide(double *v, int w, int h)
-{
-    for (int y = 0; y < h; y++)
-        divide_line(v + (ptrdiff_t) y * w, w, 1);
-    for (int x = 0; x < w; x++)
-        divide_line(v + x, h, w);
-}
 
 double gp_sky_scale(const struct gp_sky *s, int l, double most)
 {
@@ -98,7 +79,7 @@ void gp_sky_weigh_level(const struct gp_sky *s, int l, const double at[2],
                         : (float) v[i];
         }
         if (pass == 0) // the term ends: nothing is beyond
-            gp_sky_divide(v, w, h);
+            gp_far_divide(v, w, h, 1);
     }
 }
 

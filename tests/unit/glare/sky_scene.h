@@ -65,15 +65,13 @@ static inline void sky_add(const struct gp_sky *sky,
                            const struct gp_sources *src, bool more, float stays,
                            struct gp_planes *layer)
 {
-    struct gp_sky_kept *kept = NULL;
     const struct gp_sky_drawing d = {
         .src = src,
         .add = more,
         .more = {stays, stays, stays},
         .layer = layer,
     };
-    assert_ok(gp_sky_add(NULL, sky, &d, &kept));
-    gp_sky_kept_free(&kept);
+    assert_ok(gp_sky_add(NULL, sky, &d));
 }
 
 static inline struct gp_planes sky_layer(const struct gp_sky *sky,
