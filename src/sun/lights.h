@@ -42,7 +42,7 @@ struct gp_light {
                        // GLAREPP_BY_SCENE says
     double outside;    // share of its part outside the frame that is clear, 0
                        // to 1; for GLAREPP_BY_SCENE
-    bool traced;       // ... of all of it, whatever the frame and rules say
+    bool traced;       // ... of all of it, where another rule is with that rule
     double outside_error; // of it, at most
     double visibility; // 0 hidden to 1 clear; written by exact and map
     double low, high;  // of the true share; written by gp_sun_interval()
