@@ -172,7 +172,7 @@ run --report r.json -o out.png "$name"
 is "$(field r.json '"b\u00e4d \"q\\" in o["input"]')" True \
     'any file name makes valid JSON'
 run --report - in.exr
-is "$(field out 'o["engine"] in ("direct", "fft", "splat")')" True \
+is "$(field out 'o["engine"] in ("direct", "fft", "levels", "splat")')" True \
     'the report alone, on stdout'
 echo 'what was there' >old.json
 run --report old.json -o out.png nowhere.exr

@@ -425,11 +425,13 @@ def test_bench(b):
     b.mouse("mouseMoved", *at)
     check(all(name in b.run("$('named').textContent") for name in same), "points over each other are all named", b.run("$('named').textContent"))
     taken = set()
+    chosen = "document.querySelector('.point.chosen')?.getAttribute('aria-label')"
     for _ in same:
+        before = b.run(chosen)
         b.mouse("mousePressed", *at, buttons=1)
         b.mouse("mouseReleased", *at)
-        b.settle()
-        taken.add(b.run("document.querySelector('.point.chosen').getAttribute('aria-label')"))
+        b.wait(f"{chosen} !== {json.dumps(before)}")
+        taken.add(b.run(chosen))
     check(taken == set(same), "and chosen one after the other", taken, same)
     b.run("[...document.querySelectorAll('.point')].find(n => n.getAttribute('aria-label').startsWith('splat group 8')).focus()")
     b.key("Enter")

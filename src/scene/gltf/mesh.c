@@ -218,7 +218,7 @@ static gp_status read_vertices(struct walk *w, int positions,
 {
     struct gp_gltf_accessor map;
     struct known *const known = &w->known[positions];
-    gp_status st;
+    gp_status st = GP_OK;
     if (known->first >= 0 && known->uv == uv->accessor &&
         known->moved == uv->moved)
         return GP_OK;
