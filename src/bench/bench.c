@@ -439,8 +439,8 @@ static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
         if (strcmp(t->name, "levels") == 0 && !b->angles)
             continue;
         // the layer by the kernel's core and its far field is auto's
-        const bool whole = (kernel->grid || b->angles) &&
-                           strcmp(t->engine, "direct") == 0;
+        const bool whole =
+            (kernel->grid || b->angles) && strcmp(t->engine, "direct") == 0;
         technique[out->rows] = *t;
         struct gp_bench_row *const row = gp_bench_row_add(
             b, whole ? "direct, whole kernel" : t->name, NULL, out);

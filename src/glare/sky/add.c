@@ -335,7 +335,8 @@ static void find_row(void *ctx, int i, int thread)
     const float *from[2 * REACH + 1 + 6];
     int first, middle, n = 0;
     if (a->sky->single && a->level < a->sky->levels - 1) {
-        weigh_row(a->sky, g, y, gp_sky_grid_row(&a->light[a->level], c, y), out);
+        weigh_row(a->sky, g, y, gp_sky_grid_row(&a->light[a->level], c, y),
+                  out);
         double_row(a, c, y, line, out);
         return;
     }

@@ -159,8 +159,8 @@ static gp_status read_size(const struct gp_json_place *at, json_t *o,
     json_t *const extras = json_object_get(o, "extras");
     double radians = 0.0;
     gp_status st;
-    GP_TRY(gp_json_number(at, extras, "ball_radius", 0.0, MOST_PLACE,
-                          &l->ball));
+    GP_TRY(
+        gp_json_number(at, extras, "ball_radius", 0.0, MOST_PLACE, &l->ball));
     if (l->kind != GP_LIGHT_DIRECTIONAL)
         return GP_OK;
     GP_TRY(gp_json_number(at, extras, "angle", 0.0, M_PI / 2, &radians));

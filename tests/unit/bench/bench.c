@@ -101,10 +101,10 @@ static void options_ask_for_the_technique(void **state)
     static const struct {
         const char *name, *options;
     } rows[] = {
-        {"direct", "-e direct"}, {"fft", "-e fft"},
+        {"direct", "-e direct"},
+        {"fft", "-e fft"},
         {"splat group 8", "-e splat --group 8 --cluster 0 --shrink 0"},
-        {"splat 4/8/1e-3",
-         "-e splat --group 4 --cluster 8 --shrink 0.001"},
+        {"splat 4/8/1e-3", "-e splat --group 4 --cluster 8 --shrink 0.001"},
         {"levels", "-e fft"},
         {"auto", "-e auto --tolerance 0.25"},
     };
