@@ -213,12 +213,14 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                     worse_bound(p, &other) < worse_bound(p, out)))
             *out = other;
     }
-    // pairs by true angles that are summed as they are defined in some seconds
-    static const double SECONDS = 2e7;
-    const bool is_short =
-        (double) req->src->n * req->src->w * req->src->h <= SECONDS;
-    if (!st && !is_within(p, out) &&
-        (req->far || (req->kernel->sky && is_short)))
+    // pairs by true angles: of a lone lamp, which has no other's light to hide what
+    // levels leave of its veil; and those that take some seconds
+    static const double AT_ONCE = 2e5, SECONDS = 2e7, NEAR = 3e4;
+    const double pixels = (double) req->src->w * req->src->h + NEAR;
+    const double pairs =
+        req->kernel->sky ? (double) req->src->n * pixels : (double) INFINITY;
+    if (!st && (pairs <= AT_ONCE ||
+                (!is_within(p, out) && (req->far || pairs <= SECONDS))))
         st = try_whole(req, g, floor, out);
     if (st)
         return st;

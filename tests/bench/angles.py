@@ -100,7 +100,8 @@ def main():
         y, x = np.mgrid[0:H, 0:W]
         for fov in 30, 40, 60, 90, 120:
             for model, light in MODELS.items():
-                whole = sphere(light)
+                # CIE's is absolute
+                whole = sphere(light) if model == "eye" else 1.0
                 for place in 0.5, 0.75, 0.98:
                     px, py = int(W * place), int(H * place)
                     want = definition(light, fov, px, py) / whole

@@ -56,6 +56,10 @@ static const struct gltf_wrong {
      "'accessors': [{'componentType': 5124, 'count': 3, 'type': 'VEC3'}], "
      "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}]",
      "a type that is not read"},
+    {"places of no type",
+     "'accessors': [{'count': 3, 'type': 'VEC3'}], "
+     "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}]",
+     "a type that is not read"},
     // 2 GB of zeros from a file of 200 bytes
     {"2 GB of zeros",
      "'accessors': [{'componentType': 5126, 'count': 100000000, 'type': "

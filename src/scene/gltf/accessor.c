@@ -92,7 +92,8 @@ gp_status gp_gltf_accessor(const struct gp_gltf *g, int index,
     GP_TRY(gp_json_int(at, o, "componentType", I8, F32, &out->all.type));
     GP_TRY(gp_json_choice(at, o, "type", shapes, &type));
     GP_TRY(gp_json_int(at, o, "count", 1, INT_MAX / 16, &out->count));
-    if (!types[out->all.type - I8].bytes || type < 0 || type > 3 || !out->count)
+    if (!out->all.type || !types[out->all.type - I8].bytes || type < 0 ||
+        type > 3 || !out->count)
         return gp_gltf_fail(at, "%s", out->count ? "a type that is not read "
                             "(numbers and vectors are)" : "no \"count\"");
     out->components = type + 1;
