@@ -216,7 +216,7 @@ static gp_status take_picture(void *user, const struct gp_log *log,
     if (!u->set.n) {
         u->set.window = (struct gp_rect) {d.x0, d.y0, d.x1, d.y1};
         GP_TRY(gp_page_set_add(log, &u->set,
-                               json_pack("{ss}", "name", "the exact sum"),
+                               json_pack("{ss}", "name", "the exact layer"),
                                &base, NULL, NULL));
     }
     GP_TRY(gp_page_set_add(log, &u->set, about_row(log, u->run.s, row, options),
