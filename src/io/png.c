@@ -339,15 +339,16 @@ static void on_write_error(png_structp png, png_const_charp message)
 static void set_text(png_structp png, png_infop info, const char *key,
                      const char *value)
 {
-    png_text text = {
-        .compression = PNG_TEXT_COMPRESSION_NONE,
+    int compression = PNG_TEXT_COMPRESSION_NONE;
+    for (const char *s = value; *s; s++) {
+        if (*s & 0x80)
+            compression = PNG_ITXT_COMPRESSION_NONE;
+    }
+    const png_text text = {
+        .compression = compression,
         .key = (png_charp) (uintptr_t) key,
         .text = (png_charp) (uintptr_t) value,
     };
-    for (const char *s = value; *s; s++) {
-        if (*s & 0x80)
-            text.compression = PNG_ITXT_COMPRESSION_NONE;
-    }
     png_set_text(png, info, &text, 1);
 }
 

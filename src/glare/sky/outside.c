@@ -319,7 +319,7 @@ void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)
     double column[4]; // what is around, of place i at i % 4
     for (int i = 0, known = 0; i < s->outer[0]; i++) {
         const int first = first_of(i, s->outer[0]), from = end;
-        double v[4];
+        double v[4] = {0};
         for (; known < first + columns; known++) {
             const float *const share = s->outside + upper * s->outer[0] + known;
             column[known % 4] = 0.0;

@@ -522,24 +522,24 @@ out:
     return st;
 }
 
-/* Writes a file of one part, whose attributes w->kept says: n layers of those
+/* Writes a file of one part, whose attributes w.kept says: n layers of those
  * names, or (NULL) one picture. */
-static gp_status write_layers(struct writing *w, const struct gp_frame *f,
+static gp_status write_layers(struct writing w, const struct gp_frame *f,
                               const char *const *name,
                               const struct gp_planes *planes, int n,
                               struct gp_write_stats *stats)
 {
-    struct part part = {.f = f, .fit = &w->fit};
+    struct part part = {.f = f, .fit = &w.fit};
     gp_status st;
-    w->in = gp_input_of(f);
-    w->part = &part;
-    w->parts = 1;
-    GP_TRY(make_room(w->log, 4 * n, n, &part));
+    w.in = gp_input_of(f);
+    w.part = &part;
+    w.parts = 1;
+    GP_TRY(make_room(w.log, 4 * n, n, &part));
     for (int i = 0; i < n; i++)
-        GP_TRY(add_layer(w, name ? name[i] : NULL, planes[i], &part));
+        GP_TRY(add_layer(&w, name ? name[i] : NULL, planes[i], &part));
     qsort(part.img.source, (size_t) part.img.sources, sizeof *part.img.source,
           by_name);
-    st = write_file(w, stats);
+    st = write_file(&w, stats);
 out:
     free_part(&part);
     return st;
@@ -557,7 +557,7 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
         .kept =
             kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE : GP_EXR_KEEP_SHOWN,
     };
-    return write_layers(&w, f, NULL, planes, 1, stats);
+    return write_layers(w, f, NULL, planes, 1, stats);
 }
 
 gp_status gp_exr_write_parts(const struct gp_log *log,
@@ -572,7 +572,7 @@ gp_status gp_exr_write_parts(const struct gp_log *log,
         .path = path,
         .kept = GP_EXR_KEEP_SCENE,
     };
-    return write_layers(&w, f, name, part, n, stats);
+    return write_layers(w, f, name, part, n, stats);
 }
 
 /* -- --hdr: the frame as it came in, with glare --------------------------- */
