@@ -48,13 +48,36 @@ GP_CLONES static float dot_row(const float *restrict a, const float *restrict b,
     return total;
 }
 
-/* to = the sum of at[k] from[k] over `count` rows, n of each. */
-GP_CLONES static void sum_rows(const float *const *from, const float *at,
-                               int count, int n, float *restrict to)
+/* to += the sum of at[k] from[k] over four rows, n of each. */
+GP_CLONES_WIDE static void add_four(const float *const from[4],
+                                    const float at[4], int n,
+                                    float *restrict to)
+{
+    for (int i = 0; i < n; i++)
+        to[i] = to[i] + at[0] * from[0][i] + at[1] * from[1][i] +
+                at[2] * from[2][i] + at[3] * from[3][i];
+}
+
+/* The same of `count` rows. */
+static void add_rows(const float *const *from, const float *at, int count,
+                     int n, float *to)
+{
+    for (int first = 0; first < count; first += 4) {
+        const float *four[4];
+        float by[4] = {0.0f};
+        for (int k = 0; k < 4; k++) {
+            four[k] = from[gp_min(first + k, count - 1)];
+            by[k] = first + k < count ? at[first + k] : 0.0f;
+        }
+        add_four(four, by, n, to);
+    }
+}
+
+static void sum_rows(const float *const *from, const float *at, int count,
+                     int n, float *to)
 {
     memset(to, 0, (size_t) n * sizeof *to);
-    for (int k = 0; k < count; k++)
-        gp_sky_add_scaled(to, from[k], at[k], n);
+    add_rows(from, at, count, n, to);
 }
 
 static inline __attribute__((always_inline)) float
@@ -129,8 +152,33 @@ GP_CLONES static void gather_row(const float *restrict e,
                    (o[m - 1] + o[m - 2]) * (23.0f / 48.0f);
 }
 
-/* The same of many, which are laid out first, even and odd pixels apart: a tenth less
- * for the layer of a bright sky. */
+/* Lays light times solid angles out in black rows, of even pixels and of odd ones. */
+GP_CLONES static void lay_apart(const struct adding *a, int y,
+                                const float *restrict rgb,
+                                const float *restrict solid,
+                                float *restrict even, float *restrict odd)
+{
+    const int32_t *const x = a->d->src->x;
+    const uint32_t *const at =
+        a->index.at + (size_t) y * (size_t) (a->index.blocks + 1);
+    for (int b = 0; b < a->index.blocks; b++) {
+        const float *const by = solid + b * GP_SKY_BLOCK, *const v =
+                                                              rgb + at[b];
+        const size_t first = (size_t) b * GP_SKY_BLOCK / 2;
+        if (at[b + 1] - at[b] == GP_SKY_BLOCK) { // all of its pixels
+            for (size_t k = 0; k < GP_SKY_BLOCK / 2; k++) {
+                even[first + k] = by[2 * k] * v[2 * k];
+                odd[first + k] = by[2 * k + 1] * v[2 * k + 1];
+            }
+            continue;
+        }
+        for (uint32_t i = at[b]; i < at[b + 1]; i++)
+            (x[i] & 1 ? odd : even)[x[i] / 2] = solid[x[i]] * rgb[i];
+    }
+}
+
+/* The same of many, which are laid out first: a tenth less for the layer of a bright
+ * sky. */
 static void gather_many(const struct adding *a, int y, float *line,
                         float *scratch)
 {
@@ -141,10 +189,7 @@ static void gather_many(const struct adding *a, int y, float *line,
     gp_projection_solid_row(&a->sky->p.projection, 0.0, y, src->w, solid);
     for (size_t c = 0; c < 3; c++) {
         memset(scratch, 0, 2 * half * sizeof *scratch);
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-            const size_t x = (size_t) src->x[i];
-            even[(x & 1) * half + x / 2] = solid[x] * src->rgb[c][i];
-        }
+        lay_apart(a, y, src->rgb[c], solid, even, even + half);
         gather_row(even, even + half, (src->w + 1) / 2 + BEFORE,
                    line + c * a->light[1].pitch);
     }
@@ -153,30 +198,41 @@ static void gather_many(const struct adding *a, int y, float *line,
 /* BAND rows of nodes of level 1. */
 static void gather_band(void *ctx, int band, int thread)
 {
-    enum { FEW = 64 };
+    enum { FEW = 64, ROWS = GP_SKY_ROWS };
     const struct adding *const a = ctx;
     const struct gp_sources *const src = a->d->src;
     const struct gp_sky_grid *const to = &a->light[1];
-    float *const line = a->scratch + (size_t) thread * a->room;
+    const size_t row = 3 * to->pitch;
+    float *const lines = a->scratch + (size_t) thread * a->room;
     const int from = band * BAND, end = gp_min(from + BAND, to->h);
     // node row g lies on pixel row 2 (g - 1), and meets three on each side
-    for (int y = gp_max(2 * from - 5, 0); y < gp_min(2 * end + 2, src->h);
-         y++) {
-        const uint32_t count = src->row[y + 1] - src->row[y];
-        if (!count)
+    for (int y = gp_max(2 * from - 6, 0); y < gp_min(2 * end + 2, src->h);
+         y += ROWS) {
+        const int n = gp_min(ROWS, src->h - y);
+        if (src->row[y + n] == src->row[y])
             continue;
-        memset(line, 0, 3 * to->pitch * sizeof *line);
-        if (count > FEW)
-            gather_many(a, y, line, line + 3 * to->pitch);
-        else
-            gather_few(a, y, line);
-        for (int k = 0; k < GP_SKY_TAPS; k++) {
-            const int g = (y >> 1) + k;
-            if (g < from || g >= end)
-                continue;
-            for (size_t c = 0; c < 3; c++)
-                gp_sky_add_scaled(gp_sky_grid_row(to, (int) c, g),
-                                  line + c * to->pitch, B1[y & 1][k], to->w);
+        memset(lines, 0, ROWS * row * sizeof *lines);
+        for (int r = 0; r < n; r++) {
+            if (src->row[y + r + 1] - src->row[y + r] > FEW)
+                gather_many(a, y + r, lines + (size_t) r * row,
+                            lines + ROWS * row);
+            else
+                gather_few(a, y + r, lines + (size_t) r * row);
+        }
+        for (int g = gp_max(y / 2, from);
+             g < gp_min(y / 2 + GP_SKY_TAPS + ROWS / 2 - 1, end); g++) {
+            float at[ROWS] = {0.0f};
+            for (int r = 0; r < ROWS; r++) {
+                const int k = g - (y + r) / 2;
+                if (k >= 0 && k < GP_SKY_TAPS)
+                    at[r] = B1[r & 1][k];
+            }
+            for (size_t c = 0; c < 3; c++) {
+                const float *const v = lines + c * to->pitch;
+                const float *const line[ROWS] = {v, v + row, v + 2 * row,
+                                                 v + 3 * row};
+                add_four(line, at, to->w, gp_sky_grid_row(to, (int) c, g));
+            }
         }
     }
 }
@@ -194,11 +250,12 @@ static void halve_row(void *ctx, int i, int thread)
     float *const line = a->scratch + (size_t) thread * a->room + 4;
     // nodes before and after those of `from` are black
     memset(line - 4, 0, ((size_t) from->w + 16) * sizeof *line);
-    for (int k = 0; k < 5; k++) {
-        const int y = 2 * g - 3 + k;
-        if (y >= 0 && y < from->h)
-            gp_sky_add_scaled(line, gp_sky_grid_row(from, c, y), B[k], from->w);
-    }
+    const int first = gp_max(2 * g - 3, 0);
+    const int n = gp_min(2 * g + 2, from->h) - first;
+    const float *row[5];
+    for (int k = 0; k < n; k++)
+        row[k] = gp_sky_grid_row(from, c, first + k);
+    add_rows(row, B + (first - (2 * g - 3)), n, from->w, line);
     for (int x = 0; x < to->w; x++) {
         const float *const at = line + 2 * x - 3;
         out[x] = B[0] * (at[0] + at[4]) + B[1] * (at[1] + at[3]) + B[2] * at[2];

@@ -53,6 +53,22 @@ struct near {
     bool laid;
 };
 
+/* Lays the sources of a row out. */
+static void lay_row(const struct near *v, int y, const float *rgb, float *row)
+{
+    const int32_t *const x = v->src->x;
+    const uint32_t *const at =
+        v->index->at + (size_t) y * (size_t) (v->index->blocks + 1);
+    for (int b = 0; b < v->index->blocks; b++) {
+        if (at[b + 1] - at[b] == BLOCK) { // all of its pixels
+            memcpy(row + b * BLOCK, rgb + at[b], BLOCK * sizeof *row);
+            continue;
+        }
+        for (uint32_t i = at[b]; i < at[b + 1]; i++)
+            row[x[i]] = rgb[i];
+    }
+}
+
 /* Lays sources out, black elsewhere. */
 static void lay_out(struct near *v)
 {
@@ -63,11 +79,8 @@ static void lay_out(struct near *v)
     memset(g->v[0] - g->before, 0,
            3 * (size_t) (2 * g->ry + g->h) * g->pitch * sizeof(float));
     for (int y = from; y < to; y++) {
-        for (int c = 0; c < 3; c++) {
-            float *const row = gp_sky_grid_row(g, c, y - v->top);
-            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-                row[s->x[i]] = s->rgb[c][i];
-        }
+        for (int c = 0; c < 3; c++)
+            lay_row(v, y, s->rgb[c], gp_sky_grid_row(g, c, y - v->top));
     }
     v->laid = true;
 }
