@@ -98,7 +98,7 @@ static struct errors level_error(const struct gp_sky *s, int l,
     const double step = s->level[l].step;
     const double area =
         step * step * gp_projection_solid(&s->p.projection, at[0], at[1]);
-    const double side = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
+    const double side = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).side;
     struct complex spectrum[SIDE][SIDE];
     double term[SIDE * SIDE], most = 0.0, square = 0.0;
     // all of the term
@@ -161,7 +161,7 @@ static double error_at(const struct gp_sky *s, int x, int y,
 {
     const struct gp_projection *const p = &s->p.projection;
     const double at[2] = {x, y};
-    const double soft = gp_sky_scale(s, 1, gp_sky_ellipse_at(p, x, y).most);
+    const double soft = gp_sky_scale(s, 1, gp_sky_ellipse_at(p, x, y).side);
     double wrong = 0.0, right = 0.0, all = 0.0;
     for (int i = 0; i < a->w * a->h; i++) {
         const double from[2] = {x + i % a->w - a->w / 2,
@@ -179,7 +179,7 @@ static double error_at(const struct gp_sky *s, int x, int y,
     a->right[a->w * a->h / 2] += s->single ? s->p.stays : 0.0;
     if (s->single) // its near weights are what others leave
         return sqrt(wrong / all) +
-               gp_sky_single_error(s, at, gp_sky_ellipse_at(p, x, y).most,
+               gp_sky_single_error(s, at, gp_sky_ellipse_at(p, x, y).side,
                                    a->level, a->right);
     const struct errors e = levels_error(s, at);
     return sqrt(wrong / right) + fmax(e.even, e.lamp / sqrt(all));
@@ -193,7 +193,7 @@ static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
     const int count = gp_min(n, s->p.h - first), block = x / g->block;
     struct apart a = {.w = 2 * g->rx + 1, .h = 2 * g->ry + 1};
     const size_t all = (size_t) a.w * (size_t) a.h, middle = all / 2;
-    const double side = gp_sky_ellipse_at(&s->p.projection, x, y).most;
+    const double side = gp_sky_ellipse_at(&s->p.projection, x, y).side;
     float *scratch = NULL, *right = NULL, own, factor[GP_SKY_BAND] = {1.0f};
     struct gp_sky_weights w;
     gp_status st;

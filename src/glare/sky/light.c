@@ -114,6 +114,7 @@ struct gp_sky_ellipse gp_sky_ellipse_at(const struct gp_projection *p, double x,
         sqrt(fmax(det, 0.0) / most),
         sqrt(g.yy / det),
         sqrt(g.xx / det),
+        sqrt(most) * sqrt(sqrt(fmin(sqrt(fmax(det, 0.0)) / most, 1.0))),
     };
 }
 

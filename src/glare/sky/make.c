@@ -86,10 +86,10 @@ static void make_place(void *ctx, int i, int thread)
     double *const v = m->scratch + (size_t) thread * m->room;
     double at[2];
     gp_sky_place_at(s, i, at);
-    const double most = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
+    const double side = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).side;
     double weight[GP_SKY_LEVELS];
     if (s->single)
-        gp_sky_single_fit(s, at, most, weight);
+        gp_sky_single_fit(s, at, side, weight);
     for (int l = 0; l < s->levels - 1; l++) {
         struct gp_sky_level *const g = &s->level[l];
         const int rows = 2 * g->ry + 1;
@@ -98,11 +98,11 @@ static void make_place(void *ctx, int i, int thread)
         if (s->single && l)
             out[0] = (float) weight[l];
         else if (s->single)
-            s->own[i] = gp_sky_single_pixels(s, at, weight, most, v, out);
+            s->own[i] = gp_sky_single_pixels(s, at, weight, side, v, out);
         else if (l)
-            gp_sky_weigh_level(s, l, at, most, v, out);
+            gp_sky_weigh_level(s, l, at, side, v, out);
         else
-            s->own[i] = gp_sky_weigh_pixels(s, at, most, v, out);
+            s->own[i] = gp_sky_weigh_pixels(s, at, side, v, out);
         g->sum[i] = 0.0;
         for (size_t k = 0; k < g->size; k++)
             g->sum[i] += (double) out[k];
@@ -126,11 +126,11 @@ static void make_pairs(void *ctx, int i, int thread)
     double *const v = m->scratch + (size_t) thread * m->room;
     float *const out = s->pairs + (size_t) i * (size_t) g->w * (size_t) g->h;
     const double at[2] = {(i % g->w - 1) * g->step, (i / g->w - 1) * g->step};
-    const double most = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most;
+    const double side = gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).side;
     for (int k = 0; k < w * h; k++) {
         const double from[2] = {(k % w - MARGIN - 1) * g->step,
                                 (k / w - MARGIN - 1) * g->step};
-        v[k] = gp_sky_term(s, l, true, at, from, most);
+        v[k] = gp_sky_term(s, l, true, at, from, side);
     }
     gp_far_divide(v, w, h, 1);
     for (int k = 0; k < g->w * g->h; k++)
@@ -162,8 +162,8 @@ static void size_levels(struct gp_sky *s)
         gp_sky_place_at(s, i, at);
         const struct gp_sky_ellipse e =
             gp_sky_ellipse_at(&s->p.projection, at[0], at[1]);
-        x = fmax(x, e.most * e.x);
-        y = fmax(y, e.most * e.y);
+        x = fmax(x, e.side * e.x);
+        y = fmax(y, e.side * e.y);
     }
     for (int l = 0; l < s->levels; l++) {
         struct gp_sky_level *const g = &s->level[l];
@@ -200,7 +200,7 @@ static bool is_served(const struct gp_sky *s)
         if (!(e.most <= MOST && (round || e.most <= LONG * e.least)))
             return false;
         for (int k = 0; k < s->p.n; k++) {
-            if (2.0 * s->ratio * e.most * (180.0 / M_PI) < s->p.part[k].bends)
+            if (2.0 * s->ratio * e.side * (180.0 / M_PI) < s->p.part[k].bends)
                 return false;
         }
     }

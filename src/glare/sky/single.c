@@ -14,7 +14,7 @@
  *
  * Errors: what the fit misses, and how much the same weight differs from place to place
  * of a grid. In the light of a lamp that is a norm; light that is even but for one
- * frequency meets the most that any frequency has of what is missed, and of a level's
+ * frequency meets the side that any frequency has of what is missed, and of a level's
  * images sinc^8(1/2), where these are worst. */
 #include "core/maths.h"
 #include "core/memory.h"
@@ -158,14 +158,14 @@ void gp_sky_single_free(struct gp_sky_single **single)
 }
 
 /* The light per steradian at an offset from a place, less what the last level has. */
-static double light_at(const struct gp_sky *s, const double at[2], double most,
+static double light_at(const struct gp_sky *s, const double at[2], double side,
                        int x, int y)
 {
     const double from[2] = {at[0] - x, at[1] - y};
     const struct gp_projection *const p = &s->p.projection;
     const double c = gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
-    const double last = gp_sky_scale(s, s->levels - 1, most);
-    const double away = sqrt(c) / most;
+    const double last = gp_sky_scale(s, s->levels - 1, side);
+    const double away = sqrt(c) / side;
     const double all =
         away < 2.0 * RING
             ? gp_sky_mean(&s->light, p, 0.0, 0.0, gp_sky_order(away), at, from)
@@ -174,13 +174,13 @@ static double light_at(const struct gp_sky *s, const double at[2], double most,
 }
 
 void gp_sky_single_fit(const struct gp_sky *sky, const double at[2],
-                       double most, double weight[GP_SKY_LEVELS])
+                       double side, double weight[GP_SKY_LEVELS])
 {
     const struct gp_sky_single *const s = sky->single;
     double by[GP_SKY_LEVELS] = {0}, all = 0.0;
     for (int i = 0; i < s->samples; i++) {
         const struct sample *const v = &s->sample[i];
-        const double light = light_at(sky, at, most, v->x, v->y);
+        const double light = light_at(sky, at, side, v->x, v->y);
         all += v->area * light;
         for (int l = 1; l < s->levels - 1; l++)
             by[l] += v->counts * light * v->at[l];
@@ -201,12 +201,13 @@ void gp_sky_single_fit(const struct gp_sky *sky, const double at[2],
 }
 
 double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
-                            const double weight[GP_SKY_LEVELS], double most,
+                            const double weight[GP_SKY_LEVELS], double side,
                             double *v, float *out)
 {
     const struct gp_sky_level *const g = &s->level[0];
     const struct gp_projection *const p = &s->p.projection;
     const int w = 2 * g->rx + 1, h = 2 * g->ry + 1;
+    const double most = gp_sky_ellipse_at(p, at[0], at[1]).most;
     memset(v, 0, (size_t) w * (size_t) h * sizeof *v);
     gp_sky_rings(&s->light, p, at, g->rx, g->ry, v);
     for (int i = 0; i < w * h; i++) {
@@ -217,7 +218,7 @@ double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
         const double solid = gp_projection_solid(p, from[0], from[1]);
         v[i] = gp_sky_pixel(s, at, from, most, v[i]) -
                solid * gp_sky_soft(&s->light,
-                                   gp_sky_scale(s, s->levels - 1, most), c);
+                                   gp_sky_scale(s, s->levels - 1, side), c);
         for (int l = 1; l < s->levels - 1; l++)
             v[i] -= solid * weight[l] * weight_at(s->single, l, x, y);
         out[(size_t) (i / w) * g->pitch + (size_t) (i % w)] =
@@ -249,7 +250,7 @@ static double most_of(const struct gp_sky_single *s, const double missed[MOST])
 }
 
 double gp_sky_single_error(const struct gp_sky *sky, const double at[2],
-                           double most, const double weight[GP_SKY_LEVELS],
+                           double side, const double weight[GP_SKY_LEVELS],
                            const double *near)
 {
     enum { SIDE = 2 * NEAR + 1 };
@@ -259,7 +260,7 @@ double gp_sky_single_error(const struct gp_sky *sky, const double at[2],
     double missed[MOST], square = 0.0, all = 0.0, images = 0.0;
     for (int i = 0; i < s->samples; i++) {
         const struct sample *const v = &s->sample[i];
-        const double light = light_at(sky, at, most, v->x, v->y);
+        const double light = light_at(sky, at, side, v->x, v->y);
         double e = light;
         for (int l = 1; l < s->levels - 1; l++)
             e -= weight[l] * v->at[l];
@@ -274,7 +275,7 @@ double gp_sky_single_error(const struct gp_sky *sky, const double at[2],
     }
     for (int i = 0; i < SIDE * SIDE; i++) {
         const int x = i % SIDE - NEAR, y = i / SIDE - NEAR;
-        const double last = gp_sky_scale(sky, s->levels - 1, most);
+        const double last = gp_sky_scale(sky, s->levels - 1, side);
         double v =
             near[i] / solid +
             gp_sky_soft(&sky->light, last,

@@ -126,9 +126,10 @@ void gp_sky_rings(const struct gp_sky_light *l, const struct gp_projection *p,
                   const double at[2], int rx, int ry, double *out);
 
 /* The metric at a place: the longest and shortest way that a pixel's step can
- * be, radians, and how far a step of 1 radian reaches along x and y, pixels. */
+ * be, radians, how far a step of 1 radian reaches along x and y, pixels, and the side
+ * that scales of levels count in, by which long pixels err as others do. */
 struct gp_sky_ellipse {
-    double most, least, x, y;
+    double most, least, x, y, side;
 };
 struct gp_sky_ellipse gp_sky_ellipse_at(const struct gp_projection *p, double x,
                                         double y);
@@ -149,20 +150,19 @@ GP_MUST_CHECK gp_status gp_sky_outside_table(const struct gp_log *log,
 
 // -- weigh.c ------------------------------------------------------------------
 
-/* A of level l at a place whose steepest pixel is `most`. */
-double gp_sky_scale(const struct gp_sky *s, int l, double most);
+/* A of level l at a place whose pixels have that side: an ellipse's. */
+double gp_sky_scale(const struct gp_sky *s, int l, double side);
 
-/* The term of a level >= 1 between two places, `most` the longest side of a pixel at
- * the first: of its nodes, not divided by splines. `last`: none comes after it. */
+/* The term of a level >= 1 between two places, `side` that of a pixel at the first: of its nodes, not divided by splines. `last`: none comes after it. */
 double gp_sky_term(const struct gp_sky *s, int level, bool last,
-                   const double at[2], const double from[2], double most);
+                   const double at[2], const double from[2], double side);
 
 /* The same of the square of a chord, no mean over pixels. */
-double gp_sky_soft_term(const struct gp_sky *s, int level, double most,
+double gp_sky_soft_term(const struct gp_sky *s, int level, double side,
                         double c);
 
-/* The light that pixel `at` gets from pixel `from`, of which gp_sky_rings() has put
- * `ringed` there where both are near. */
+/* The light that pixel `at`, its longest side `most`, gets from pixel `from`, of which
+ * gp_sky_rings() has put `ringed` there where both are near. */
 double gp_sky_pixel(const struct gp_sky *s, const double at[2],
                     const double from[2], double most, double ringed);
 
@@ -170,9 +170,9 @@ double gp_sky_pixel(const struct gp_sky *s, const double at[2],
  * them; scratch: (2 rx + 1) (2 ry + 1) numbers. Of pixels, the share that stays is
  * returned. */
 void gp_sky_weigh_level(const struct gp_sky *s, int level, const double at[2],
-                        double most, double *scratch, float *out);
+                        double side, double *scratch, float *out);
 double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
-                           double most, double *scratch, float *out);
+                           double side, double *scratch, float *out);
 
 // -- single.c -----------------------------------------------------------------
 
@@ -182,18 +182,18 @@ GP_MUST_CHECK gp_status gp_sky_single_make(const struct gp_log *log,
 void gp_sky_single_free(struct gp_sky_single **single);
 
 /* Fits the weight of each level at a place, per steradian. */
-void gp_sky_single_fit(const struct gp_sky *s, const double at[2], double most,
+void gp_sky_single_fit(const struct gp_sky *s, const double at[2], double side,
                        double weight[GP_SKY_LEVELS]);
 
 /* As gp_sky_weigh_pixels(), beside these weights. */
 double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
-                            const double weight[GP_SKY_LEVELS], double most,
+                            const double weight[GP_SKY_LEVELS], double side,
                             double *scratch, float *out);
 
 /* The norm of the error of these weights at a place over the layer's; `near` has the
  * pixels' weights, what stays among them. */
 double gp_sky_single_error(const struct gp_sky *s, const double at[2],
-                           double most, const double weight[GP_SKY_LEVELS],
+                           double side, const double weight[GP_SKY_LEVELS],
                            const double *near);
 
 // -- sum.c --------------------------------------------------------------------
