@@ -177,7 +177,8 @@ static void size_levels(struct gp_sky *s)
         };
         if (s->single)
             g->rx = g->ry = l ? 0 : GP_SKY_SINGLE_NEAR;
-        g->pitch = ((size_t) (2 * g->rx + 1) + 7) / 8 * 8; // whole vectors
+        g->pitch = ((size_t) (2 * g->rx + 1) + GP_SKY_BLOCK - 1) /
+                   GP_SKY_BLOCK * GP_SKY_BLOCK; // whole vectors
         g->size = g->pitch * (size_t) (2 * g->ry + 1);
     }
 }

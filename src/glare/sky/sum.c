@@ -63,16 +63,22 @@ void gp_sky_grid_free(struct gp_sky_grid *g)
 
 // -- weights of a block -------------------------------------------------------
 
+/* Zeros after a row are those before the next. */
 static size_t pitch_of(const struct gp_sky_level *g)
 {
-    return g->pitch + 2 * PAD;
+    return g->pitch + PAD;
+}
+
+static size_t table_of(const struct gp_sky_level *g)
+{
+    return (2 * (size_t) g->ry + 1) * pitch_of(g) + PAD;
 }
 
 size_t gp_sky_weights_room(const struct gp_sky *s, const struct gp_sky_level *g)
 {
     const size_t columns = (size_t) s->places.n[0];
     const size_t rows = 2 * (size_t) g->ry + 1;
-    return columns * (2 * g->size + 1 + rows) + rows * (4 * pitch_of(g) + 2) +
+    return columns * (2 * g->size + 1 + rows) + 4 * table_of(g) + 2 * rows +
            g->pitch + 4 * BLOCK;
 }
 
@@ -88,7 +94,7 @@ float *gp_sky_weights_open(const struct gp_sky *s, int l, int first, int n,
                                   .g = g,
                                   .middle = 0.5 * (n - 1),
                                   .pitch = pitch_of(g),
-                                  .table = rows * pitch_of(g),
+                                  .table = table_of(g),
                                   .spanned = -1,
                                   .block = -1,
                                   .by_wide = gp_cpu_wide()};
@@ -131,9 +137,9 @@ GP_CLONES_WIDE static void add_four(const float *const from[4],
 /* The same to tables of a block, as far as they are laid: of `value` and its slope.
  * `next`: the sum is the next block's, and what this one's slope leads to becomes its
  * value. */
-GP_CLONES static void add_rows(const struct gp_sky_weights *w,
-                               const float *const from[4], const float at[4],
-                               bool next, float *to)
+GP_CLONES_WIDE static void add_rows(const struct gp_sky_weights *w,
+                                    const float *const from[4],
+                                    const float at[4], bool next, float *to)
 {
     const struct gp_sky_level *const g = w->g;
     const float block = (float) g->block, step = 1.0f / block;
@@ -141,14 +147,14 @@ GP_CLONES static void add_rows(const struct gp_sky_weights *w,
         const size_t row = (size_t) j * g->pitch;
         float *const value = to + PAD + (size_t) j * w->pitch;
         float *const slope = value + w->table;
-        for (int i = w->laid[2 * j] / LANES * LANES; i < w->laid[2 * j + 1];
-             i += LANES) {
-            const lanes v = at[0] * *(const loose *) (from[0] + row + i) +
-                            at[1] * *(const loose *) (from[1] + row + i) +
-                            at[2] * *(const loose *) (from[2] + row + i) +
-                            at[3] * *(const loose *) (from[3] + row + i);
-            loose *const here = (loose *) (value + i);
-            loose *const by = (loose *) (slope + i);
+        for (int i = w->laid[2 * j] / BLOCK * BLOCK; i < w->laid[2 * j + 1];
+             i += BLOCK) {
+            const wide v = at[0] * *(const loose_wide *) (from[0] + row + i) +
+                           at[1] * *(const loose_wide *) (from[1] + row + i) +
+                           at[2] * *(const loose_wide *) (from[2] + row + i) +
+                           at[3] * *(const loose_wide *) (from[3] + row + i);
+            loose_wide *const here = (loose_wide *) (value + i);
+            loose_wide *const by = (loose_wide *) (slope + i);
             if (next) {
                 *here += block * *by;
                 *by = (v - *here) * step;
@@ -209,6 +215,8 @@ static void find_spans(struct gp_sky_weights *w, int place)
         widen(w->span, w->spans + 2 * i * rows, rows);
     }
     widen(w->laid, w->span, rows); // of blocks before, too
+    if (g->block == 1)             // sum_node() goes along rows
+        return;
     for (int i = 0; i <= 2 * g->rx; i++) {
         w->column[2 * i] = (short) rows;
         w->column[2 * i + 1] = 0;
