@@ -39,45 +39,50 @@ static json_t *gates_of(const struct glarepp_compare_params *p,
     const double may =
         p->allow_failures < 0 ? (double) INFINITY : p->allow_failures;
     const double fails = fmax(may, (double) p->fail_percent * hundredth);
-    const double warns = fmax(may, (double) p->warn_percent * hundredth);
+    const double warns = (double) p->warn_percent * hundredth;
     const bool eye = f->seen >= 0;
+    const bool more =
+        (double) f->failed > may; // else only rel_l2 and FLIP judge
     const struct {
-        bool on;
+        bool on, judges;
         const char *option;
         float value; // NaN: it has none
         const char *of;
         double found, limit;
         const char *over;
     } gate[] = {
-        {eye, "perceptual", NAN, "pixels that an eye sees differ",
+        {eye, true, "perceptual", NAN, "pixels that an eye sees differ",
          (double) f->seen, fails, "failure"},
-        {!eye, "fail", p->fail, pixels, (double) f->failed, fails, "failure"},
-        {!eye, "hardfail", p->hard_fail, max, f->max, (double) p->hard_fail,
+        {!eye, true, "fail", p->fail, pixels, (double) f->failed, fails,
          "failure"},
-        {true, "fail-rel", p->fail_rel, "rel_l2", f->rel_l2,
+        {!eye, more, "hardfail", p->hard_fail, max, f->max,
+         (double) p->hard_fail, "failure"},
+        {true, true, "fail-rel", p->fail_rel, "rel_l2", f->rel_l2,
          (double) p->fail_rel, "failure"},
-        {true, "fail-flip", p->fail_flip, "mean FLIP",
+        {true, true, "fail-flip", p->fail_flip, "mean FLIP",
          f->has_flip ? f->flip : (double) NAN, (double) p->fail_flip,
          "failure"},
-        {!eye, "warn", p->warn, pixels, (double) f->warned, warns, "warning"},
-        {!eye, "hardwarn", p->hard_warn, max, f->max, (double) p->hard_warn,
+        {!eye, more, "warn", p->warn, pixels, (double) f->warned, warns,
          "warning"},
+        {!eye, more, "hardwarn", p->hard_warn, max, f->max,
+         (double) p->hard_warn, "warning"},
     };
     json_t *const list = json_array();
     for (size_t i = 0; i < sizeof gate / sizeof *gate; i++) {
         char name[48];
-        if (!gate[i].on || isinf(gate[i].value))
+        const bool over = gate[i].judges && gate[i].found > gate[i].limit;
+        // (NaN fails without a limit)
+        if (!gate[i].on || (isinf(gate[i].value) && !over))
             continue;
         const int n = snprintf(name, sizeof name, "--%s", gate[i].option);
         if (!isnan(gate[i].value))
             snprintf(name + n, sizeof name - (size_t) n, " %g",
                      (double) gate[i].value);
         json_array_append_new(
-            list,
-            json_pack("{ss ss so? so? ss}", "gate", name, "of", gate[i].of,
-                      "found", json_real(gate[i].found), "limit",
-                      json_real(gate[i].limit), "status",
-                      gate[i].found > gate[i].limit ? gate[i].over : "match"));
+            list, json_pack("{ss ss so? so? ss}", "gate", name, "of",
+                            gate[i].of, "found", json_real(gate[i].found),
+                            "limit", json_real(gate[i].limit), "status",
+                            over ? gate[i].over : "match"));
     }
     return list;
 }
@@ -221,6 +226,29 @@ static size_t bytes_of(const json_t *o)
     return json_dumpb(o, NULL, 0, JSON_COMPACT);
 }
 
+/* Says where figures are not of what the pictures show. */
+static void note_shown(const struct gp_compare_row *e, json_t *notes)
+{
+    const struct glarepp_compare_facts *const f = e->facts;
+    const int *const in[2] = {f->in_a, f->in_b};
+    bool shown = !(f->max > 0.0);
+    for (int k = 0; k < 2; k++) {
+        const struct gp_stored_image *const m = e->image[k];
+        if (m->integers)
+            add_note(notes, k ? "B" : "A",
+                     " has integers: its picture and the "
+                     "values under the pointer are linear light, figures are "
+                     "of stored values",
+                     "");
+        const int at = in[k][f->channel];
+        for (int c = 0; c < 3 && at >= 0; c++)
+            shown |= m->own.c[c] || m->light[c] == m->channel[at].v;
+    }
+    if (!shown)
+        add_note(notes, "pictures show colour: the largest error is in ",
+                 f->pair[f->channel], "");
+}
+
 /* Adds pictures to an entry, in `bytes`, and a thumbnail, where `side` is not 0. */
 static gp_status show(const struct gp_compare_pages *p,
                       const struct gp_compare_row *e, bool whole, size_t bytes,
@@ -240,6 +268,8 @@ static gp_status show(const struct gp_compare_pages *p,
         add_note(notes, "no colour in both: shown is channel ", grey, "");
     else if (!set.n)
         add_note(notes, "no channel of floats to show", "", "");
+    else
+        note_shown(e, notes);
     if (set.n && side) {
         GP_TRY(gp_page_thumb(p->log, &set, 1, side, &packed));
         json_object_set_new(entry, "thumb", packed);

@@ -138,8 +138,11 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     const char *const word = gp_command_of(s->command)->word;
     fprintf(f, "glarepp%s%s", *word ? " " : "", word);
     print_options(f, s, " ", whole);
-    for (int i = 0; i < inputs; i++)
-        gp_word_print(f, "", 0, whole ? input[i] : gp_base_name(input[i]));
+    for (int i = 0; i < inputs; i++) {
+        const char *const name = whole ? input[i] : gp_base_name(input[i]);
+        // (no option, but "-" is stdin)
+        gp_word_print(f, "./", *name == '-' && name[1] ? 2 : 0, name);
+    }
     const bool written = end_text(f, &text);
     if (written) // control characters would break listings of the file
         gp_make_printable(text);

@@ -29,8 +29,8 @@ gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
                        json_t **out)
 {
     // of options that no pixel depends on, those that a page does
-    static const char *const own[] = {"runs", "html-size", "html",
-                                      "html-index"};
+    static const char *const own[] = {"frames",    "max-pixels", "runs",
+                                      "html-size", "html",       "html-index"};
     const struct gp_texts *const in = &s->input.files;
     const struct gp_texts *const given = &s->words.options;
     char *command = NULL, *text = NULL;

@@ -138,7 +138,8 @@ const packed = () => state.a === 0 && state.B.relative, coarse = v => v > 90 ? '
 function relative(at) {
   if (packed()) return errors[packed()[at]];
   const [a, b] = [luminance(state.A, at), luminance(state.B, at)];
-  return a === b ? 0 : Math.abs(a - b) / Math.abs(a);
+  const e = Math.abs(a - b) / Math.abs(a);
+  return a === b || (a !== a && b !== b) ? 0 : e >= 0 ? e : Infinity;
 }
 const flip = () => state.a === 0 ? state.B.flip : state.b === 0 ? state.A.flip : null;
 
@@ -151,7 +152,7 @@ function shader(mode) {
     const gain = 2 ** state.ev, power = 1 / state.gamma;
     const code = (a, b) => {
       const d = Math.abs(floats[a] - floats[b]) * gain;
-      return d > 0 ? Math.round(255 * Math.min(d, 1) ** power) : 0;
+      return a === b || d === 0 ? 0 : d > 0 ? Math.round(255 * Math.min(d, 1) ** power) : 255; // NaN: all
     };
     return at => code(A.rgb[0][at], B.rgb[0][at]) << 16 | code(A.rgb[1][at], B.rgb[1][at]) << 8 |
       code(A.rgb[2][at], B.rgb[2][at]);
@@ -237,7 +238,7 @@ function drawMarks(cut) {
     paint.beginPath();
     paint.rect(start, 0, width, h);
     paint.clip();
-    if (z >= 6 * state.dpr && document.activeElement === canvas) {
+    if (z >= 6 * state.dpr) {
       path.rect(...at(state.px, state.py), z, z);
       stroke(path);
     }
@@ -247,12 +248,14 @@ function drawMarks(cut) {
     }
     paint.restore();
   }
-  if (state.mode === 'wipe' || state.mode === 'side') {
-    const path = new Path2D(), x = state.mode === 'side' ? w >> 1 : cut;
-    path.moveTo(x, 0);
-    path.lineTo(x, h);
-    stroke(path);
-  }
+  const named = {wipe: 'AB', side: 'AB', flicker: state.odd ? 'B' : 'A', a: 'A', b: 'B'}[state.mode] || '';
+  [...named].forEach((name, i) => {
+    Object.assign(paint, {font: `600 ${15 * state.dpr}px system-ui, sans-serif`, textAlign: i ? 'right' : 'left',
+      strokeStyle: '#000', fillStyle: '#fff', lineWidth: 3 * state.dpr, lineJoin: 'round'});
+    const at = [name, i ? w - 8 * state.dpr : 8 * state.dpr, 20 * state.dpr];
+    paint.strokeText(...at); paint.fillText(...at);
+  });
+  if (named === 'AB') stroke(new Path2D(`M${state.mode === 'side' ? w >> 1 : cut} 0V${h}`));
 }
 
 // -- the pixel that is read --------------------------------------------------------
@@ -263,10 +266,12 @@ function readPixel(aloud) {
   const at = sample(set, state.px, state.py), body = $('values').tBodies[0];
   const mean = set.scale > 1 && at >= 0 && at < Math.ceil(set.w / set.scale) * Math.ceil(set.h / set.scale);
   const rows = [['A', A], ['B', B]].map(([name, p]) => [name, ...p.rgb.map(v => at < 0 ? NaN : floats[v[at]])]);
+  const beyond = [state.a, state.b].map(i => set.pictures[i].clamped ? 65504 : NaN); // what is more is shown as that
   rows.push(['B − A', ...[1, 2, 3].map(c => rows[1][c] - rows[0][c])]);
-  body.replaceChildren(...rows.map(r => {
+  body.replaceChildren(...rows.map((r, i) => {
     const row = make('tr');
-    row.append(make('th', r[0], {scope: 'row'}), ...r.slice(1).map(v => make('td', at < 0 ? '–' : String(+v.toPrecision(6)))));
+    row.append(make('th', r[0], {scope: 'row'}), ...r.slice(1).map((v, c) => make('td', at < 0 ? '–'
+      : rows.slice(0, 2).some((q, k) => q[c + 1] === beyond[k] && (q === r || i === 2)) ? (i < 2 ? `≥ ${v}` : 'not known') : String(+v.toPrecision(6)))));
     return row;
   }));
   const map = flip(), most = mean ? ', the most of them' : '';
@@ -289,7 +294,7 @@ function moveTo(x, y) {
 }
 
 // The zoom at which the picture fits, and true at that one.
-const fitting = () => Math.min(half(0)[1] / state.set.w, canvas.height / state.set.h, 64);
+const fitting = () => Math.max(Math.min(half(0)[1] / state.set.w, canvas.height / state.set.h, 64), Math.min(1, 8 * state.dpr / Math.min(state.set.w, state.set.h)));
 const fitted = () => state.set && Math.abs(state.zoom / fitting() - 1) < 1e-6;
 
 function zoomTo(zoom, x = state.x, y = state.y) {
@@ -436,7 +441,7 @@ function showFacts(entry) {
   if (entry.gates && entry.gates.length)
     parts.push(titled('gates', ['gate', 'status', 'found', 'limit', 'of'],
       entry.gates.map(g => [g.gate, g.status, g.found, g.limit === null ? 'any' : g.limit, g.of])));
-  if (entry.channels) parts.push(make('p', `${entry.channels.length} channels: ${entry.channels.join(', ')}`));
+  if (entry.channels) parts.push(make('p', `${entry.channels.length} channel${entry.channels.length > 1 ? 's' : ''}: ${entry.channels.join(', ')}`));
   $('facts').replaceChildren(...parts);
 }
 
@@ -444,13 +449,9 @@ function command(name, text, list) {
   const dd = make('dd'), button = make('button', 'copy', {type: 'button', 'aria-label': `copy the command of ${name}`});
   const code = make('code', text);
   button.onclick = async () => {
-    try {
-      await navigator.clipboard.writeText(text);
-    } catch {
-      getSelection().selectAllChildren(code);
-      document.execCommand('copy');
-    }
-    button.textContent = 'copied';
+    const done = await navigator.clipboard?.writeText(text).then(() => true, () => false) ||
+      (getSelection().selectAllChildren(code), document.execCommand('copy'));
+    button.textContent = done ? 'copied' : 'not copied';
   };
   dd.append(code, button);
   list.append(make('dt', name), dd);
@@ -463,7 +464,7 @@ function showCommands() {
     const p = set.pictures[i], label = set.pictures.length > 2 ? `${name}, ${p.name}` : `${name}, ${p.file || p.name}`;
     if (p.command) command(label, p.command, list);
     else list.append(make('dt', label), make('dd', p.file ? 'does not say which command made it' : 'is what the others are measured against'));
-    if (p.rounded) notes.push(`${name}: ${p.rounded} values were rounded to half floats, to 1 in 2048 of each; relative errors and FLIP are of those before`);
+    if (p.rounded) notes.push(`${name}: ${p.rounded} values were rounded to half floats, to 1 in 2048 of each, or to 3e-8${p.relative ? '; relative errors and FLIP are of those before' : ''}`);
     if (p.clamped) notes.push(`${name}: ${p.clamped} values beyond 65504 are shown as 65504`);
     if (p.odd) notes.push(`${name}: ${p.odd} values are NaN or infinite`);
   }
@@ -477,7 +478,7 @@ function showCommands() {
   notes.push(`glarepp ${page.version}`);
   $('notes').replaceChildren(...notes.map(n => make('li', n)));
   $('exact').textContent = set ? `${set.w} × ${set.h} at ${set.x}, ${set.y}; ` + (set.scale > 1
-    ? `means of ${set.scale} × ${set.scale} pixels${set.region[2] ? ', whole pixels in the dashed frame' : ''}` : 'every pixel as it is') : '';
+    ? `means of ${set.scale} × ${set.scale} pixels${set.region[2] ? ', whole pixels in the dashed frame' : ''}` : `every pixel${[state.a, state.b].some(i => set.pictures[i].rounded) ? ', as half floats' : ' as it is'}`) : '';
 }
 
 // -- bench ---------------------------------------------------------------------------------
@@ -487,7 +488,7 @@ function showBench(entry) {
   $('bench').hidden = !rows;
   if (!rows) return;
   const points = rows.filter(r => r.ms > 0 && r.rel_l2 !== undefined && !r.layer).map(r => ({r, x: Math.log10(r.ms), y: Math.log10(Math.max(r.rel_l2, 1e-10))}));
-  const limit = Math.log10(entry.tolerance), range = (list) => [Math.floor(Math.min(...list)), Math.floor(Math.max(...list)) + 1];
+  const limit = Math.log10(Math.max(entry.tolerance, 1e-10)), range = (list) => [Math.floor(Math.min(...list)), Math.floor(Math.max(...list)) + 1];
   const [x0, x1] = range([...points.map(p => p.x), 0]), [y0, y1] = range([...points.map(p => p.y), limit]);
   const x = v => 62 + (v - x0) / (x1 - x0) * 400, y = v => 370 - (v - y0) / (y1 - y0) * 350;
   const line = (cls, d) => svg.append(make('svg:path', undefined, {class: cls, d}));
@@ -505,8 +506,8 @@ function showBench(entry) {
     (list.length > 1 ? '. Click for one after the other' : ''); };
   let label = 0;
   points.sort((p, q) => q.y - p.y);
-  for (const p of points) {
-    label = Math.max(y(p.y) + 4, label + 15);
+  for (const [i, p] of points.entries()) { // (no label is as low as the axis's)
+    label = Math.min(Math.max(y(p.y) + 4, label + 15), 370 - 15 * (points.length - 1 - i));
     const node = make('svg:g', undefined, {class: 'point', tabindex: 0, role: 'button', 'aria-label': `${p.r.name}: ${number(p.r.ms)} ms, rel_l2 ${number(p.r.rel_l2)}`});
     node.append(make('svg:path', undefined, {class: 'grid', d: `M${x(p.x)} ${y(p.y)}L472 ${label - 4}`}),
       make('svg:circle', undefined, {cx: x(p.x), cy: y(p.y), r: 6}), make('svg:text', p.r.name, {class: p.r.pareto ? '' : 'dim', x: 476, y: label}));
@@ -551,8 +552,7 @@ async function pick(a, b) {
   const [A, B] = await Promise.all([picture(set, a), picture(set, b)]);
   if (set !== state.set || turn !== state.turn) return; // another was chosen meanwhile
   Object.assign(state, {a, b, A, B});
-  $('a').value = a;
-  $('b').value = b;
+  $('a').value = a; $('b').value = b;
   const without = !flip(), radio = document.querySelector('input[name=mode][value=flip]');
   radio.disabled = without;
   if (without && state.mode === 'flip') setMode('wipe');
@@ -578,7 +578,11 @@ async function open(i) {
   const entry = page.entries[i], set = entry?.set || null, was = state.set;
   Object.assign(state, {entry: i, set, A: null, B: null});
   $('viewer').hidden = !set;
-  document.querySelectorAll('#strip .pair').forEach((n, k) => current(n, k === i && page.kind !== 'index'));
+  document.querySelectorAll('#strip .pair').forEach((n, k) => {
+    current(n, k === i && page.kind !== 'index');
+    if (page.kind !== 'index') n.tabIndex = k === i ? 0 : -1; // n and p go to others
+    if (k === i) n.parentNode.parentNode.scrollLeft = n.offsetLeft - n.parentNode.parentNode.offsetLeft - 40;
+  });
   $('showing').textContent = entry?.label ? `Pictures of ${entry.label}` : 'Pictures';
   if (entry && page.kind !== 'index') { showFacts(entry); showBench(entry); }
   showCommands();
@@ -587,10 +591,7 @@ async function open(i) {
     make('span', entry.facts.why ? ` (${entry.facts.why})` : '')] : []));
   $('without').textContent = set || !result ? '' : 'No pictures here: ' + (entry.facts.why || (entry.notes || []).find(n => /^deep|to show$/.test(n)) ||
     `--html-size has room for those of the ${page.entries.filter(e => e.set).length} worst pairs; raise it, or compare this pair alone. Its figures are below.`);
-  if (!set) {
-    document.body.dataset.ready = `${i}`;
-    return;
-  }
+  if (!set) { document.body.dataset.ready = `${i}`; return; }
   const worst = entry.facts?.worst;
   $('worst').hidden = !worst;
   $('region').hidden = !(set.scale > 1 && set.region[2]);
@@ -646,7 +647,7 @@ function press(e) {
     point(state.px + step * arrow[0], state.py + step * arrow[1], true);
     const [from, w] = half(0), far = (d, size) => Math.abs(d) > size / 2 / state.zoom - 1;
     moveTo(far(state.px - state.x, w - from) ? state.px + 0.5 : state.x, far(state.py - state.y, canvas.height) ? state.py + 0.5 : state.y);
-  } else if (arrow && !arrow[1] && state.mode === 'wipe' && e.target === document.body) setWipe(state.wipe + arrow[0] / 100);
+  } else if (arrow && !arrow[1] && state.mode === 'wipe' && !e.target.matches('input, .point, .scroll')) setWipe(state.wipe + arrow[0] / 100);
   else if (/^[1-8]$/.test(e.key)) setMode(modes[e.key - 1].value);
   else {
     const act = {'+': () => zoomBy(2), '=': () => zoomBy(2), '-': () => zoomBy(0.5), 0: fit, z: () => $('one').click(),
