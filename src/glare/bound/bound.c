@@ -315,7 +315,9 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     }
     // (adding the far field rounds once, light from beyond the border 4 times)
     *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;
-    *floor += k->sky && !req->exact ? gp_sky_error_of(k->sky)->relative : 0.0;
+    *floor += !k->sky      ? 0.0
+              : req->exact ? GP_SKY_EXACT
+                           : gp_sky_error_of(k->sky)->relative;
     *floor += (req->far ? 0x1p-24 : 0.0) + (req->beyond ? 0x1p-22 : 0.0);
     return GP_OK;
 }

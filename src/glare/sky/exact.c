@@ -14,42 +14,11 @@ struct exact {
     double *layer;
 };
 
-/* Pixels around one within two of its longest sides, the longest pixel that levels
- * serve being 16 times as long as wide. */
-enum { NEAR = 34, SIDE = 2 * NEAR + 1 };
-
-/* What pixels around one get, from the first of them on that is asked for. */
-struct rings {
-    bool known;
-    double near[SIDE * SIDE];
-};
-
-static double share_of(const struct gp_sky *s, const double at[2],
-                       const double from[2], const struct gp_sky_ellipse *o,
-                       struct rings *rings)
-{
-    const int rx = gp_min((int) ceil(2.0 * o->most * o->x) + 1, NEAR);
-    const int ry = gp_min((int) ceil(2.0 * o->most * o->y) + 1, NEAR);
-    const int dx = (int) (at[0] - from[0]), dy = (int) (at[1] - from[1]);
-    const bool close = abs(dx) <= rx && abs(dy) <= ry;
-    if (close && !rings->known) {
-        memset(rings->near, 0, sizeof rings->near);
-        gp_sky_rings(&s->light, &s->p.projection, at, rx, ry, rings->near);
-        rings->known = true;
-    }
-    return gp_sky_pixel(s, at, from, o->most,
-                        close ? rings->near[(dy + ry) * (2 * rx + 1) + dx + rx]
-                              : 0.0);
-}
-
 double gp_sky_share(const struct gp_sky *s, const double at[2],
                     const double from[2])
 {
-    const struct gp_sky_ellipse o =
-        gp_sky_ellipse_at(&s->p.projection, at[0], at[1]);
-    struct rings rings;
-    rings.known = false;
-    return share_of(s, at, from, &o, &rings);
+    return gp_sky_pixel(s, at, from,
+                        gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most);
 }
 
 /* The sums of a pixel of a sphere. */
@@ -82,9 +51,7 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
 {
     const struct gp_projection *const p = &s->p.projection;
     const double at[2] = {x, y};
-    const struct gp_sky_ellipse o = gp_sky_ellipse_at(p, x, y);
-    struct rings rings;
-    rings.known = false;
+    const double most = gp_sky_ellipse_at(p, x, y).most;
     for (int sy = 0; sy < src->h; sy++) {
         int span[2];
         gp_projection_span(p, 0.0, sy, src->w, span);
@@ -92,7 +59,7 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
             const double from[2] = {src->x[i], sy};
             if (src->x[i] < span[0] || src->x[i] >= span[1])
                 continue;
-            double share = share_of(s, at, from, &o, &rings);
+            double share = gp_sky_pixel(s, at, from, most);
             if (src->x[i] == x && sy == y)
                 share += s->light.stays - s->given;
             for (size_t k = 0; k < 3; k++)

@@ -102,6 +102,78 @@ double gp_sky_mean(const struct gp_sky_light *l, const struct gp_projection *p,
     return sum;
 }
 
+/* A box of offsets between points of both pixels. */
+struct box {
+    double x, y, w, h;
+};
+
+static double nearest_of(double from, double size)
+{
+    return from > 0.0 ? from : fmin(from + size, 0.0);
+}
+
+double gp_sky_close_mean(const struct gp_sky_light *l,
+                         const struct gp_projection *p, const double at[2],
+                         const double from[2])
+{
+    enum { MOST = 64 };
+    const struct gp_gauss *const g = gp_gauss_rule(5);
+    const double apart[2] = {at[0] - from[0], at[1] - from[1]};
+    const double mid[2] = {at[0] - 0.5 * apart[0], at[1] - 0.5 * apart[1]};
+    const struct gp_metric m = gp_projection_metric(p, mid[0], mid[1]);
+    const double least = l->nearest * l->nearest;
+    // where both points move together, but at a pole, no distance changes
+    const bool pole = p->kind == GP_LATLONG &&
+                      0.5 * M_PI - fabs(mid[1] - p->y0) * p->dy < 4.0 * p->dy;
+    const int moves = pole ? g->n : 1;
+    const double solid = gp_projection_solid(p, at[0], at[1]) *
+                         gp_projection_solid(p, from[0], from[1]);
+    struct box todo[MOST];
+    double sum = 0.0;
+    int n = 0;
+    for (int i = 0; i < 4; i++) // a tent's straight parts
+        todo[n++] =
+            (struct box) {apart[0] - (i & 1), apart[1] - (i >> 1), 1, 1};
+    while (n > 0) {
+        struct box b = todo[--n];
+        const double x = nearest_of(b.x, b.w), y = nearest_of(b.y, b.h);
+        const double away = m.xx * x * x + 2.0 * m.xy * x * y + m.yy * y * y;
+        const double wide = m.xx * b.w * b.w, high = m.yy * b.h * b.h;
+        if (fmax(wide, high) > fmax(away, least) && n + 2 <= MOST) {
+            struct box other = b;
+            if (wide > high) {
+                b.w = other.w *= 0.5;
+                other.x += b.w;
+            } else {
+                b.h = other.h *= 0.5;
+                other.y += b.h;
+            }
+            todo[n++] = b;
+            todo[n++] = other;
+            continue;
+        }
+        for (int k = 0; k < g->n * g->n * moves; k++) {
+            const int i = k % g->n, j = k / g->n % g->n, q = k / g->n / g->n;
+            const double u = b.x + b.w * (0.5 + g->node[i]);
+            const double v = b.y + b.h * (0.5 + g->node[j]);
+            const double tent = 1.0 - fabs(v - apart[1]);
+            double by = g->weight[i] * g->weight[j] * b.w * b.h * tent *
+                        (1.0 - fabs(u - apart[0]));
+            double y0 = mid[1] + 0.5 * v, y1 = mid[1] - 0.5 * v;
+            if (moves > 1) {
+                y0 += tent * g->node[q];
+                y1 += tent * g->node[q];
+                by *= g->weight[q] * gp_projection_solid(p, at[0], y0) *
+                      gp_projection_solid(p, from[0], y1) / solid;
+            }
+            const double c = gp_projection_chord2(p, mid[0] + 0.5 * u, y0,
+                                                  mid[0] - 0.5 * u, y1);
+            sum += by * gp_sky_soft(l, 0.0, fmax(c, least));
+        }
+    }
+    return sum;
+}
+
 struct gp_sky_ellipse gp_sky_ellipse_at(const struct gp_projection *p, double x,
                                         double y)
 {
@@ -116,78 +188,4 @@ struct gp_sky_ellipse gp_sky_ellipse_at(const struct gp_projection *p, double x,
         sqrt(g.xx / det),
         sqrt(most) * sqrt(sqrt(fmin(sqrt(fmax(det, 0.0)) / most, 1.0))),
     };
-}
-
-// -- rings --------------------------------------------------------------------
-
-/* Adds light at (u, v) pixels by the tents of both pixels. */
-static void deposit(double u, double v, double light, int rx, int ry,
-                    double *out)
-{
-    const double x = floor(u), y = floor(v), a = u - x, b = v - y;
-    const int i = (int) x, j = (int) y;
-    for (int k = 0; k < 4; k++) {
-        const int px = i + (k & 1), py = j + (k >> 1);
-        if (px < -rx || px > rx || py < -ry || py > ry)
-            continue;
-        out[(py + ry) * (2 * rx + 1) + px + rx] +=
-            light * (k & 1 ? a : 1.0 - a) * (k >> 1 ? b : 1.0 - b);
-    }
-}
-
-void gp_sky_rings(const struct gp_sky_light *l, const struct gp_projection *p,
-                  const double at[2], int rx, int ry, double *out)
-{
-    enum { TURNS = 192 };
-    static const double FIRST = 0.01, RATIO = 1.3, LAST = 3.5; // longest sides
-    const struct gp_gauss *const g = gp_gauss_rule(5);
-    const struct gp_metric m = gp_projection_metric(p, at[0], at[1]);
-    const double side = gp_sky_ellipse_at(p, at[0], at[1]).most;
-    // a step of length 1 by the metric: L^-T of its Cholesky factors
-    const double l0 = sqrt(m.xx), l1 = m.xy / l0;
-    const double l2 = sqrt(m.yy - l1 * l1);
-    double turn[TURNS][2];
-    for (int i = 0; i < TURNS; i++) {
-        const double t = 2.0 * M_PI * (i + 0.5) / TURNS;
-        turn[i][1] = gp_sin(t) / l2;
-        turn[i][0] = (gp_cos(t) - l1 * turn[i][1]) / l0;
-    }
-    // light within the first ring, by octaves of its radius
-    double inner = 0.0;
-    for (double to = FIRST * side, from; to > l->nearest; to = from) {
-        from = 0.5 * to > l->nearest ? 0.5 * to : 0.0;
-        for (int k = 0; k < g->n; k++) {
-            const double r = 0.5 * (from + to) + (to - from) * g->node[k];
-            inner += g->weight[k] * (to - from) * 2.0 * M_PI * r *
-                     gp_sky_soft(l, 0.0, fmax(r * r, l->nearest * l->nearest));
-        }
-    }
-    deposit(0.0, 0.0, inner, rx, ry, out);
-    for (double from = FIRST * side; from < LAST * side; from *= RATIO) {
-        const double wide = from * (RATIO - 1.0);
-        for (int k = 0; k < g->n; k++) {
-            const double r = from + wide * (0.5 + g->node[k]);
-            // d Omega = pi d(chord^2)
-            const double light = g->weight[k] * wide * 2.0 * M_PI * r *
-                                 gp_sky_soft(l, 0.0, r * r) / TURNS;
-            for (int i = 0; i < TURNS; i++)
-                deposit(r * turn[i][0], r * turn[i][1], light, rx, ry, out);
-        }
-    }
-    // rings are the metric's; from place to place it changes
-    const double own = gp_projection_solid(p, at[0], at[1]);
-    for (int y = -ry; y <= ry; y++) {
-        for (int x = -rx; x <= rx; x++) {
-            const double from[2] = {at[0] - x, at[1] - y};
-            const double flat =
-                m.xx * x * x + 2.0 * m.xy * x * y + m.yy * y * y;
-            if (flat > 0.0 && flat < LAST * LAST * side * side)
-                out[(y + ry) * (2 * rx + 1) + x + rx] *=
-                    gp_projection_solid(p, from[0], from[1]) / own *
-                    gp_sky_soft(l, 0.0,
-                                gp_projection_chord2(p, at[0], at[1], from[0],
-                                                     from[1])) /
-                    gp_sky_soft(l, 0.0, flat);
-        }
-    }
 }

@@ -208,15 +208,13 @@ double gp_sky_single_pixels(const struct gp_sky *s, const double at[2],
     const struct gp_projection *const p = &s->p.projection;
     const int w = 2 * g->rx + 1, h = 2 * g->ry + 1;
     const double most = gp_sky_ellipse_at(p, at[0], at[1]).most;
-    memset(v, 0, (size_t) w * (size_t) h * sizeof *v);
-    gp_sky_rings(&s->light, p, at, g->rx, g->ry, v);
     for (int i = 0; i < w * h; i++) {
         const int x = i % w - g->rx, y = i / w - g->ry;
         const double from[2] = {at[0] - x, at[1] - y};
         const double c =
             gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
         const double solid = gp_projection_solid(p, from[0], from[1]);
-        v[i] = gp_sky_pixel(s, at, from, most, v[i]) -
+        v[i] = gp_sky_pixel(s, at, from, most) -
                solid * gp_sky_soft(&s->light,
                                    gp_sky_scale(s, s->levels - 1, side), c);
         for (int l = 1; l < s->levels - 1; l++)

@@ -99,6 +99,9 @@ GP_MUST_CHECK gp_status gp_sky_add_beyond(const struct gp_log *log,
                                           size_t n, int w, int h,
                                           struct gp_planes *layer);
 
+/* Limit of the error of gp_sky_exact() over the layer, of curves and means. */
+#define GP_SKY_EXACT 4e-6
+
 /* Adds the layer as it is defined, sample by sample in double, to 3 w h numbers that
  * are not NaN: those are left out. */
 void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,

@@ -119,11 +119,11 @@ double gp_sky_mean(const struct gp_sky_light *l, const struct gp_projection *p,
  * from the light, at least 2 of them. */
 int gp_sky_order(double away);
 
-/* Adds Omega P's mean near the light, offsets -rx .. rx, -ry .. ry of a place, to
- * rows of 2 rx + 1: by rings, as far as they matter within 2 of the pixel's longest
- * sides. */
-void gp_sky_rings(const struct gp_sky_light *l, const struct gp_projection *p,
-                  const double at[2], int rx, int ry, double *out);
+/* Returns the mean of P over two pixels that may meet, by boxes of offsets that are the
+ * smaller the nearer they are to none. */
+double gp_sky_close_mean(const struct gp_sky_light *l,
+                         const struct gp_projection *p, const double at[2],
+                         const double from[2]);
 
 /* The metric at a place: the longest and shortest way that a pixel's step can
  * be, radians, how far a step of 1 radian reaches along x and y, pixels, and the side
@@ -161,10 +161,9 @@ double gp_sky_term(const struct gp_sky *s, int level, bool last,
 double gp_sky_soft_term(const struct gp_sky *s, int level, double side,
                         double c);
 
-/* The light that pixel `at`, its longest side `most`, gets from pixel `from`, of which
- * gp_sky_rings() has put `ringed` there where both are near. */
+/* The light that pixel `at`, its longest side `most`, gets from pixel `from`. */
 double gp_sky_pixel(const struct gp_sky *s, const double at[2],
-                    const double from[2], double most, double ringed);
+                    const double from[2], double most);
 
 /* Fill the weights of a level >= 1, or of pixels, at a place, as level.weight has
  * them; scratch: (2 rx + 1) (2 ry + 1) numbers. Of pixels, the share that stays is

@@ -22,59 +22,14 @@ static double scale_of(const struct gp_sky *s, int l)
     return a * a;
 }
 
-// -- means of pixels that are close --------------------------------------------
-
-/* Points of the tent 1 - |t| on (-1, 1), denser towards -1, 0 or 1. */
-struct points {
-    int n;
-    double at[32], weight[32];
-};
-
-static struct points points_of(int towards, int n)
-{
-    const struct gp_gauss *const g = gp_gauss_rule(n);
-    struct points p = {0};
-    for (int half = 0; half < 2; half++) {
-        const double from = half ? 0.0 : -1.0;
-        // of the other half the end that is nearer
-        const bool up = towards > 0 || (towards == 0 && !half);
-        for (int k = 0; k < g->n; k++) {
-            const double v = g->node[k] + 0.5, v3 = v * v * v;
-            const double t = from + (up ? 1.0 - v3 : v3);
-            p.at[p.n] = t;
-            p.weight[p.n++] = g->weight[k] * 3.0 * v * v * (1.0 - fabs(t));
-        }
-    }
-    return p;
-}
-
-/* The mean of P where both pixels may meet, anywhere along a row. */
-static double close_mean(const struct gp_sky *s, const double at[2],
-                         const double from[2])
-{
-    const struct points u =
-        points_of((int) fmax(fmin(from[0] - at[0], 1.0), -1.0), 8);
-    const struct points v =
-        points_of((int) fmax(fmin(from[1] - at[1], 1.0), -1.0), 16);
-    double sum = 0.0;
-    for (int j = 0; j < v.n; j++) {
-        for (int i = 0; i < u.n; i++) {
-            const double x = 0.5 * u.at[i], y = 0.5 * v.at[j];
-            const double c =
-                gp_projection_chord2(&s->p.projection, at[0] + x, at[1] + y,
-                                     from[0] - x, from[1] - y);
-            sum += u.weight[i] * v.weight[j] * gp_sky_soft(&s->light, 0.0, c);
-        }
-    }
-    return sum;
-}
+// -- means ----------------------------------------------------------------------
 
 /* The mean of P over two pixels, however near. */
 static double mean_of(const struct gp_sky *s, double chord2, const double at[2],
                       const double from[2])
 {
     const double away = sqrt(chord2) / side_of(s);
-    return away < 2.0 ? close_mean(s, at, from)
+    return away < 2.0 ? gp_sky_close_mean(&s->light, &s->p.projection, at, from)
                       : gp_sky_mean(&s->light, &s->p.projection, 0.0, 0.0,
                                     gp_sky_order(away), at, from);
 }
@@ -225,7 +180,7 @@ static void weigh_row(void *ctx, int row, int thread)
     if (row < o->level[0].n) {
         const double at[2] = {0.0, row};
         const double own = gp_projection_solid(&s->p.projection, 0.0, row) *
-                           (close_mean(s, at, at) - soft_mean(s, at, at));
+                           (mean_of(s, 0.0, at, at) - soft_mean(s, at, at));
         if (left < 0.5 * own) {
             o->even[row] = o->even[o->h - 1 - row] = 1.0 + (left - own) / along;
             left = own;

@@ -84,15 +84,15 @@ void gp_sky_weigh_level(const struct gp_sky *s, int l, const double at[2],
 }
 
 double gp_sky_pixel(const struct gp_sky *s, const double at[2],
-                    const double from[2], double most, double ringed)
+                    const double from[2], double most)
 {
     const struct gp_projection *const p = &s->p.projection;
     const double away =
         sqrt(gp_projection_chord2(p, at[0], at[1], from[0], from[1])) / most;
-    return away >= 2.0 ? gp_projection_solid(p, from[0], from[1]) *
-                             gp_sky_mean(&s->light, p, 0.0, 0.0,
-                                         gp_sky_order(away), at, from)
-                       : ringed; // rings have it
+    return gp_projection_solid(p, from[0], from[1]) *
+           (away >= 2.0 ? gp_sky_mean(&s->light, p, 0.0, 0.0,
+                                      gp_sky_order(away), at, from)
+                        : gp_sky_close_mean(&s->light, p, at, from));
 }
 
 double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
@@ -104,17 +104,14 @@ double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
     const double most = gp_sky_ellipse_at(p, at[0], at[1]).most;
     const double a = gp_sky_scale(s, 1, side),
                  share = negligible_at(s, 0, side);
-    memset(v, 0, (size_t) w * (size_t) h * sizeof *v);
-    gp_sky_rings(&s->light, p, at, g->rx, g->ry, v);
     for (int i = 0; i < w * h; i++) {
         const int x = i % w - g->rx, y = i / w - g->ry;
         const double from[2] = {at[0] - x, at[1] - y};
         const double c =
             gp_projection_chord2(p, at[0], at[1], from[0], from[1]);
         const double solid = gp_projection_solid(p, from[0], from[1]);
-        v[i] = c > a * (1.0 + 2.0 / s->ratio)
-                   ? 0.0 // soft light is as it is
-                   : gp_sky_pixel(s, at, from, most, v[i]);
+        v[i] = c > a * (1.0 + 2.0 / s->ratio) ? 0.0 // soft light is as it is
+                                              : gp_sky_pixel(s, at, from, most);
         if (v[i] != 0.0) // the soft part as its own level has it
             v[i] -= solid * gp_sky_mean(&s->light, p, a, 0.0, 2, at, from);
         const bool none = (!x && !y) || is_negligible(s, 0, at, from, side,

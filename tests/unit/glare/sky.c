@@ -166,6 +166,14 @@ static void one_weight_a_node_is_within_the_bound(void **state)
     }
 }
 
+/* The eye's light per steradian, t degrees away; over the sphere 1.002. */
+static double eye_light(double t)
+{
+    return 0.384 * 2.61e6 * exp(-pow(t / 0.02, 2.0)) +
+           0.478 * 20.91 / pow(t + 0.02, 3.0) +
+           0.138 * 72.37 / pow(t + 0.02, 2.0);
+}
+
 /* The light at a pixel by the formulas of the definition alone: the eye's, of true
  * angles between points of both pixels. */
 static double eye_at(const struct gp_sky_params *p, const double at[2],
@@ -185,9 +193,7 @@ static double eye_at(const struct gp_sky_params *p, const double at[2],
         const double t =
             atan2(gp_v3_length(gp_v3_cross(a, b)), gp_v3_dot(a, b)) * 180.0 /
             pi;
-        sum += 0.384 * 2.61e6 * exp(-pow(t / 0.02, 2.0)) +
-               0.478 * 20.91 / pow(t + 0.02, 3.0) +
-               0.138 * 72.37 / pow(t + 0.02, 2.0);
+        sum += eye_light(t);
     }
     return sum / (PARTS * PARTS * PARTS * PARTS) *
            gp_projection_solid(&p->projection, from[0], from[1]);
@@ -223,6 +229,51 @@ static void the_sum_is_as_defined(void **state)
             free(v);
             gp_sources_free(&src);
         }
+        gp_sky_free(&sky);
+    }
+}
+
+/* The share of its light that the middle pixel keeps, by circles around it: two points
+ * of a pixel that are r apart, of its sides, have the mean weight of both tents. */
+static void the_own_pixel_is_as_defined(void **state)
+{
+    enum { W = 161, H = 91, STEPS = 20000, TURNS = 400 };
+    const double pi = acos(-1.0), least = 1e-6, ratio = log(pi / least) / STEPS;
+    (void) state;
+    for (int fov = 30; fov <= 120; fov += 30) {
+        const struct gp_sky_params p =
+            sky_params("eye", GP_PERSPECTIVE, W, H, fov, 0.0);
+        struct gp_sky *sky = sky_of(&p);
+        struct gp_sources src = sky_lamps(W, H, 1, W / 2, H / 2);
+        double *const v = sky_exact(sky, &src);
+        const double side = 2.0 * tan(fov * pi / 360.0) / H;
+        double all = 0.0, own = 0.0;
+        for (int i = 0; i < STEPS; i++) {
+            const double t = least * exp((i + 0.5) * ratio); // radians
+            const double light = eye_light(fmin(t * 180.0 / pi, 100.0));
+            const double r = 2.0 * tan(0.5 * t) / side;
+            double tents = 1.0 - 4.0 * r / pi + r * r / pi;
+            all += light * 2.0 * pi * sin(t) * t * ratio;
+            if (r > 1.0 && r < sqrt(2.0)) {
+                tents = 0.0;
+                for (int k = 0; k < TURNS; k++) {
+                    const double a = pi / 2.0 * (k + 0.5) / TURNS;
+                    tents += fmax(1.0 - r * cos(a), 0.0) *
+                             fmax(1.0 - r * sin(a), 0.0) / TURNS;
+                }
+            }
+            if (r < sqrt(2.0)) // dr = (1 / side + r^2 side / 4) dt
+                own += light * tents * 2.0 * pi * r * side * side *
+                       (1.0 / side + 0.25 * r * r * side) * t * ratio;
+        }
+        const double want = own / all;
+        const double got =
+            v[H / 2 * W + W / 2] / (double) src.rgb[0][0] + gp_sky_given(sky);
+        if (fabs(got / want - 1.0) > 2e-5)
+            print_message("# fov %d: %.7f, not %.7f\n", fov, got, want);
+        assert_true(fabs(got / want - 1.0) <= 2e-5);
+        free(v);
+        gp_sources_free(&src);
         gp_sky_free(&sky);
     }
 }
@@ -507,5 +558,6 @@ static void light_comes_from_beside_the_frame(void **state)
 SUITE_OF(sky, NULL, NULL, levels_are_the_sum, a_tolerance_is_kept,
          many_lights_are_within_the_bound,
          one_weight_a_node_is_within_the_bound, the_sum_is_as_defined,
-         light_is_kept, shares_between_places_are_right, laws_hold,
-         hard_frames_are_served, light_comes_from_beside_the_frame)
+         the_own_pixel_is_as_defined, light_is_kept,
+         shares_between_places_are_right, laws_hold, hard_frames_are_served,
+         light_comes_from_beside_the_frame)
