@@ -46,8 +46,9 @@ struct side {
     double length;
 };
 
-/* The part of the light around a place that a stretch of a side ends, from a to b
- * along it. */
+/* The part of the light around a place that is beyond a stretch of a side, from a to b
+ * along it: next to nothing where it is far, though directions there turn fast behind
+ * the place. */
 static double part_of(const struct gp_sky *s, struct gp_v3 p,
                       const struct side *side, double a, double b)
 {
@@ -72,7 +73,7 @@ static double part_of(const struct gp_sky *s, struct gp_v3 p,
         const double c = gp_v3_dot(apart, apart);
         double within = 0.0;
         gp_curve_add(&s->within, c, 1.0, &within);
-        sum += g->weight[k] * (b - a) * within * turn /
+        sum += g->weight[k] * (b - a) * (s->spread - within) * turn /
                fmax(gp_v3_dot(across, across), 1e-300);
     }
     return sum / (2.0 * M_PI);
@@ -105,17 +106,22 @@ static double outside_of(const struct gp_sky *s, double x, double y)
         {{-0.5, h - 0.5}, {0, -1}, h},
     };
     const struct gp_v3 p = gp_projection_direction(&s->p.projection, x, y);
-    double inside = 0.0;
+    const struct gp_projection *const q = &s->p.projection;
+    const bool shown =
+        !(q->rim > 0.0) ||
+        gp_hypot((x - q->x0) * q->dx, (y - q->y0) * q->dy) < q->rim;
+    double beyond = 0.0;
     for (int i = 0; i < 4; i++) {
         const struct side *const d = &sides[i];
         const double u = x - d->from[0], v = y - d->from[1];
         const double foot = u * d->along[0] + v * d->along[1];
         const double away = fabs(u * d->along[1] - v * d->along[0]);
         const double at = fmin(fmax(foot, 0.0), d->length);
-        inside += half_of(s, p, d, at, fmax(away, 0.01), d->length) -
+        beyond += half_of(s, p, d, at, fmax(away, 0.01), d->length) -
                   half_of(s, p, d, at, fmax(away, 0.01), 0.0);
     }
-    return fmin(fmax(s->spread - fabs(inside), 0.0), s->spread);
+    const double v = fmin(fabs(beyond), s->spread);
+    return shown ? v : s->spread - v;
 }
 
 /* Points of an axis on which the share is found: within some pixels of a border it

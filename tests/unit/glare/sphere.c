@@ -224,18 +224,21 @@ static void others_are_refused(void **state)
     }
 }
 
-/* Pixels beyond a fisheye's rim are dark, and the rest as they are defined. */
+/* Pixels beyond a fisheye's rim are dark, and the rest as they are defined; and the
+ * share of light that falls beyond is what the others have not. */
 static void fisheyes_have_a_rim(void **state)
 {
     enum { SIDE = 150, M = SIDE * SIDE };
     static const enum gp_projecting kinds[] = {GP_FISHEYE, GP_EQUISOLID};
+    static const int places[][2] = {{20, 60}, {75, 75}, {75, 140}, {3, 80}};
     (void) state;
-    for (size_t k = 0; k < COUNT(kinds); k++) {
+    for (size_t k = 0; k < COUNT(kinds) * COUNT(places); k++) {
+        const int *const at = places[k / COUNT(kinds)];
         const struct gp_sky_params p =
-            sky_params("eye", kinds[k], SIDE, SIDE, 180.0, 1e-3);
+            sky_params("eye", kinds[k % COUNT(kinds)], SIDE, SIDE, 180.0, 1e-3);
         struct gp_sky *sky = sky_of(&p);
         assert_non_null(sky);
-        struct gp_sources src = sky_lamps(SIDE, SIDE, 1, 20, 60);
+        struct gp_sources src = sky_lamps(SIDE, SIDE, 1, at[0], at[1]);
         struct gp_planes got = sky_layer(sky, &src);
         double *const want = sky_exact(sky, &src), error = 0.0, norm = 0.0;
         for (int i = 0; i < M; i++) {
