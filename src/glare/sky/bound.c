@@ -115,13 +115,14 @@ static struct errors level_error(const struct gp_sky *s, int l,
         term[i] *= area * fade(i % n, n) * fade(i / n, n);
     }
     find_spectrum(term, n, spectrum);
+    struct gp_far_keeping keep[SIDE];
+    for (int i = 0; i < n; i++)
+        keep[i] = gp_far_keep_of(i, n);
     for (int j = 0; j < n; j++) {
         for (int i = 0; i < n; i++) {
-            const struct gp_far_keeping across = gp_far_keep_of(i, n),
-                                        down = gp_far_keep_of(j, n);
-            const double kept = across.kept * down.kept;
+            const double kept = keep[i].kept * keep[j].kept;
             const double eps =
-                sqrt(fmax(across.square * down.square - kept * kept, 0.0));
+                sqrt(fmax(keep[i].square * keep[j].square - kept * kept, 0.0));
             const double lost =
                 gp_hypot(spectrum[j][i].re, spectrum[j][i].im) *
                 (fabs(1.0 - kept * kept) + kept * eps + eps * eps);

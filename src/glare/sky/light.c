@@ -152,23 +152,25 @@ double gp_sky_close_mean(const struct gp_sky_light *l,
             todo[n++] = other;
             continue;
         }
-        for (int k = 0; k < g->n * g->n * moves; k++) {
-            const int i = k % g->n, j = k / g->n % g->n, q = k / g->n / g->n;
-            const double u = b.x + b.w * (0.5 + g->node[i]);
-            const double v = b.y + b.h * (0.5 + g->node[j]);
+        for (int j = 0; j < g->n * moves; j++) {
+            const double v = b.y + b.h * (0.5 + g->node[j % g->n]);
             const double tent = 1.0 - fabs(v - apart[1]);
-            double by = g->weight[i] * g->weight[j] * b.w * b.h * tent *
-                        (1.0 - fabs(u - apart[0]));
+            double by = g->weight[j % g->n] * b.w * b.h * tent;
             double y0 = mid[1] + 0.5 * v, y1 = mid[1] - 0.5 * v;
             if (moves > 1) {
-                y0 += tent * g->node[q];
-                y1 += tent * g->node[q];
-                by *= g->weight[q] * gp_projection_solid(p, at[0], y0) *
+                const double move = tent * g->node[j / g->n];
+                y0 += move;
+                y1 += move;
+                by *= g->weight[j / g->n] * gp_projection_solid(p, at[0], y0) *
                       gp_projection_solid(p, from[0], y1) / solid;
             }
-            const double c = gp_projection_chord2(p, mid[0] + 0.5 * u, y0,
-                                                  mid[0] - 0.5 * u, y1);
-            sum += by * gp_sky_soft(l, 0.0, fmax(c, least));
+            for (int i = 0; i < g->n; i++) {
+                const double u = b.x + b.w * (0.5 + g->node[i]);
+                const double c = gp_projection_chord2(p, mid[0] + 0.5 * u, y0,
+                                                      mid[0] - 0.5 * u, y1);
+                sum += by * g->weight[i] * (1.0 - fabs(u - apart[0])) *
+                       gp_sky_soft(l, 0.0, fmax(c, least));
+            }
         }
     }
     return sum;
