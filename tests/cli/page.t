@@ -43,7 +43,35 @@ for size in 0.1 0.5; do
     run compare -q --no-flip --html size.html --html-size $size noise.exr other.exr
     ok "--html-size $size" [ "$(wc -c <size.html)" -le "${size#0.}00000" ]
 done
+# (limits around what is found, some of them none; and a NaN, which fails without one)
+frame nan.exr size=320x240 kind=nan
+cat >gates.py <<'END'
+import json, random, re, subprocess, sys
+random.seed(5)
+worst = ["match", "warning", "failure"]
+for i in range(24):
+    words = []
+    for name, most in (("fail", .5), ("warn", .5), ("hardfail", 2.), ("hardwarn", 2.),
+                       ("failpercent", 100.), ("warnpercent", 100.), ("fail-rel", 2.),
+                       ("allowfailures", 76800.)):
+        if random.random() < .5:
+            v = random.random() * most
+            words += ["--" + name, "%d" % v if name[0] == "a" else "%g" % v]
+    subprocess.run([sys.argv[1], "compare", "-q", "--no-flip", "--html", "g.html", *words,
+                    "noise.exr", "nan.exr" if i % 6 == 5 else "other.exr"], check=False,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    entry = json.loads(re.search('application/json">(.*?)</script>',
+                                 open("g.html", encoding="utf-8").read())[1])["entries"][0]
+    of = [worst.index(g["status"]) for g in entry["gates"]]
+    if worst[max(of, default=0)] != entry["facts"]["result"]:
+        print(*words, entry["facts"]["result"], entry["gates"])
+END
+is "$("$python" gates.py "$glarepp" 2>&1)" '' 'the worst of the gates is the verdict'
+
 for i in 1 2 3; do cp seed.exr s.$i.exr; done
+run compare -q -f 2-3 --html f.html s.#.exr s.#.exr
+like "$(grep -o '"command":"glarepp compare [^"]*"' f.html)" '*--frames 2-3*' \
+    'its command has the frames'
 run compare -q --html 'p.#.html' --html-index index.html s.#.exr s.#.exr
 is "$(ls p.*.html index.html | tr '\n' ' ')" 'index.html p.1.html p.2.html p.3.html ' \
     'a page for each frame, and their index'
