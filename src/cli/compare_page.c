@@ -446,7 +446,7 @@ out:
 }
 
 /* Writes a page, whose reference it takes, with these entries, the worst first. */
-static gp_status write_page(const struct gp_log *log, const char *path,
+static gp_status write_page(const struct gp_compare_pages *p, const char *path,
                             json_t *page, struct gp_page_entries *from)
 {
     json_t *const list = json_object_get(page, "entries");
@@ -455,7 +455,7 @@ static gp_status write_page(const struct gp_log *log, const char *path,
     for (int i = 0; i < from->n; i++)
         json_array_append_new(list, from->at[i].entry);
     from->n = 0;
-    return gp_page_save(log, path, page);
+    return gp_page_save(p->log, p->s, path, page);
 }
 
 /* Lists the entries of a page in the index, without their pictures. */
@@ -499,12 +499,12 @@ gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
             link_back(p, link);
             GP_TRY(list_page(p, link));
         }
-        st = write_page(p->log, path, p->page, &p->kept);
+        st = write_page(p, path, p->page, &p->kept);
         p->page = NULL;
         p->used = p->text = 0;
     }
     if (last && p->index && !st) {
-        st = write_page(p->log, p->s->page.index, p->index, &p->listed);
+        st = write_page(p, p->s->page.index, p->index, &p->listed);
         p->index = NULL;
     }
 out:

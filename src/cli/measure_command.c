@@ -287,7 +287,7 @@ gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
     if (!st)
         st = gp_bench_run(log, &req);
     if (!st && html) {
-        st = gp_page_save(log, html, user.page);
+        st = gp_page_save(log, s, html, user.page);
         user.page = NULL;
     }
     json_decref(user.page);

@@ -246,7 +246,7 @@ static gp_status write_page(const struct gp_log *log,
     json_array_append_new(
         json_object_get(page, "entries"),
         json_pack("{so so}", "set", set, "notes", json_array()));
-    return gp_page_save(log, path, page);
+    return gp_page_save(log, s, path, page);
 out:
     json_decref(page);
     return st;

@@ -68,6 +68,9 @@ for i in range(24):
 END
 is "$("$python" gates.py "$glarepp" 2>&1)" '' 'the worst of the gates is the verdict'
 
+run compare --html small.html --html-size 0.02 seed.exr seed.exr
+like "$(cat err)" '*small.html: * MB, over --html-size*' 'a page that cannot be so small: a warning'
+
 for i in 1 2 3; do cp seed.exr s.$i.exr; done
 run compare -q -f 2-3 --html f.html s.#.exr s.#.exr
 like "$(grep -o '"command":"glarepp compare [^"]*"' f.html)" '*--frames 2-3*' \

@@ -80,7 +80,8 @@ static gp_status write_json(struct gp_file *f, const char *text)
     return st;
 }
 
-gp_status gp_page_save(const struct gp_log *log, const char *path, json_t *page)
+gp_status gp_page_save(const struct gp_log *log, const struct gp_settings *s,
+                       const char *path, json_t *page)
 {
     char *const text =
         gp_json_print(page, JSON_COMPACT | JSON_REAL_PRECISION(9));
@@ -92,6 +93,13 @@ gp_status gp_page_save(const struct gp_log *log, const char *path, json_t *page)
     GP_TRY(write_json(f, text));
     GP_TRY(gp_file_write(f, gp_page_after, strlen(gp_page_after)));
     st = gp_file_commit(&f);
+    const double size = 1e-6 * (double) (strlen(gp_page_before) + strlen(text) +
+                                         strlen(gp_page_after));
+    if (!st && gp_option_given(s, "html-size") && size > s->page.megabytes)
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: %.2g MB, over --html-size, by names and figures; make a "
+               "page of fewer frames",
+               path, size);
 out:
     gp_file_discard(&f);
     free(text);

@@ -75,10 +75,12 @@ GP_MUST_CHECK gp_status gp_page_make(const struct gp_log *log,
                                      const char *kind, const char *title,
                                      const char *path, json_t **out);
 
-/* Writes a page, whose reference it takes; "-" is stdout.
+/* Writes a page, whose reference it takes; "-" is stdout. A warning says so where its
+ * text alone is larger than was asked for.
  * Errors: GP_ERR_IO; GP_ERR_BUG out of memory, also for a NULL page. */
-GP_MUST_CHECK gp_status gp_page_save(const struct gp_log *log, const char *path,
-                                     json_t *page);
+GP_MUST_CHECK gp_status gp_page_save(const struct gp_log *log,
+                                     const struct gp_settings *s,
+                                     const char *path, json_t *page);
 
 /* The text of a page before and after its JSON, made by the build of page.html,
  * page.css and page.js, with the hashes of both in its Content-Security-Policy. */
