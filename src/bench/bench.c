@@ -37,7 +37,6 @@ static gp_status make_plan(const struct gp_bench *b,
                            struct glarepp_plan **out)
 {
     struct glarepp_plan_params p = *b->req->plan;
-    const struct glarepp_layer_params usual = GLAREPP_LAYER_PARAMS;
     struct glarepp_layer_params layer = *p.layer;
     layer.edges = GLAREPP_BLACK;
     if (!b->angles || (t && !t->follows))
@@ -45,8 +44,8 @@ static gp_status make_plan(const struct gp_bench *b,
     if (!t)
         layer.tolerance = fminf(layer.tolerance, 1e-6f); // what FLIP is against
     if (t) {
-        if (strcmp(t->engine, "auto") != 0) // the option is auto's
-            layer.tolerance = usual.tolerance;
+        if (t->tolerance > 0.0f)
+            layer.tolerance = t->tolerance;
         layer.engine = t->engine;
         layer.group = t->group;
         layer.cluster = t->cluster;
@@ -224,11 +223,15 @@ static void end_runs(struct trial *t)
 {
     struct gp_bench_row *const row = t->row;
     if (t->same) {
-        row->same = t->same->row->name;
-        row->runs = t->same->row->runs;
-        row->ms = t->same->row->ms;
-        row->ms_min = t->same->row->ms_min;
-        row->ms_max = t->same->row->ms_max;
+        struct gp_bench_row *const other = t->same->row;
+        other->twin = row->name;
+        row->same = other->name;
+        row->runs = other->runs;
+        row->ms = other->ms;
+        row->ms_min = other->ms_min;
+        row->ms_max = other->ms_max;
+        row->ms_first = other->ms_first;
+        row->bound = other->bound;
     } else if (!t->st && !row->extrapolated) {
         if (!t->times.n)
             gp_bench_time(&t->times, row->ms_first); // the only one: it is long
@@ -436,7 +439,7 @@ static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
     out->kernel_left_out = kernel->modelled ? kernel->left_out : (double) NAN;
     const struct gp_bench_technique *t = gp_bench_techniques;
     for (; t->name; t++) {
-        if (strcmp(t->name, "levels") == 0 && !b->angles)
+        if (t->follows && t->tolerance > 0.0f && !b->angles)
             continue;
         // the layer by the kernel's core and its far field is auto's
         const bool whole =

@@ -52,11 +52,12 @@ struct gp_bench_technique {
     const char *engine;
     int group, cluster;
     float shrink;
-    bool follows; // true angles, where the frame's kernel does; else a plane
+    bool follows;    // true angles, where the frame's kernel does; else a plane
+    float tolerance; // 0: the option's
 };
 extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
 enum {
-    GP_BENCH_ROWS = 11,                // of gp_bench_techniques
+    GP_BENCH_ROWS = 12,                // of gp_bench_techniques
     GP_BENCH_MOST = GP_BENCH_ROWS + 3, // with flare, and a lens in two ways
 };
 
@@ -86,7 +87,8 @@ struct gp_bench_row {
     double flip;               // mean LDR-FLIP; NaN: not defined
     const char *layer;         // "flare", "lens"; NULL: the kernel's
     const char *same;          // auto: the row that computes the same, whose
-                               // times it has; or NULL
+                               // figures it has; or NULL
+    const char *twin;          // the row of which this one is `same`; or NULL
     bool pareto; // no row of the layer is nearer and surely faster
 };
 

@@ -15,17 +15,18 @@
 /* From the exact ones over one step of Ando et al. after the other to all of
  * them together. */
 const struct gp_bench_technique gp_bench_techniques[] = {
-    {"direct", "direct", 1, 0, 0.0f, false},
-    {"fft", "fft", 1, 0, 0.0f, false},
-    {"splat", "splat", 1, 0, 0.0f, false},
-    {"splat group 2", "splat", 2, 0, 0.0f, false},
-    {"splat group 4", "splat", 4, 0, 0.0f, false},
-    {"splat group 8", "splat", 8, 0, 0.0f, false},
-    {"splat group 4, cluster 8", "splat", 4, 8, 0.0f, false},
-    {"splat group 4, shrink 1e-3", "splat", 4, 0, 1e-3f, false},
-    {"splat 4/8/1e-3", "splat", 4, 8, 1e-3f, false},
-    {"levels", "fft", 1, 0, 0.0f, true},
-    {"auto", "auto", 4, 8, 1e-3f, true},
+    {"direct", "direct", 1, 0, 0.0f, false, 1e-3f},
+    {"fft", "fft", 1, 0, 0.0f, false, 1e-3f},
+    {"splat", "splat", 1, 0, 0.0f, false, 1e-3f},
+    {"splat group 2", "splat", 2, 0, 0.0f, false, 1e-3f},
+    {"splat group 4", "splat", 4, 0, 0.0f, false, 1e-3f},
+    {"splat group 8", "splat", 8, 0, 0.0f, false, 1e-3f},
+    {"splat group 4, cluster 8", "splat", 4, 8, 0.0f, false, 1e-3f},
+    {"splat group 4, shrink 1e-3", "splat", 4, 0, 1e-3f, false, 1e-3f},
+    {"splat 4/8/1e-3", "splat", 4, 8, 1e-3f, false, 1e-3f},
+    {"levels", "fft", 1, 0, 0.0f, true, 1e-3f},
+    {"levels 1e-2", "fft", 1, 0, 0.0f, true, 1e-2f},
+    {"auto", "auto", 4, 8, 1e-3f, true, 0.0f},
     {0},
 };
 _Static_assert(sizeof gp_bench_techniques / sizeof *gp_bench_techniques ==
@@ -34,9 +35,10 @@ _Static_assert(sizeof gp_bench_techniques / sizeof *gp_bench_techniques ==
 void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
                       bool plane, char *line, size_t size)
 {
-    const char *const by = plane && !t->follows ? " --projection plane" : "";
-    if (strcmp(t->engine, "auto") == 0)
-        snprintf(line, size, "-e auto --tolerance %g", (double) tolerance);
+    const char *const by = plane ? " --projection plane" : "";
+    if (t->follows)
+        snprintf(line, size, "-e %s --tolerance %g", t->engine,
+                 (double) (t->tolerance > 0.0f ? t->tolerance : tolerance));
     else if (strcmp(t->engine, "splat") != 0)
         snprintf(line, size, "-e %s%s", t->engine, by);
     else
@@ -173,7 +175,9 @@ static void print_whole(const struct gp_bench_whole *w)
         printf("%c %-26s %9.2f  %8.2f %8.2f %9.1f %10.2f%s\n",
                o->pareto ? '>' : ' ', o->options, o->median, o->least, o->most,
                (double) o->bytes * 1e-3, before + o->median,
-               o->usual ? "  the default" : "");
+               o->usual                                ? "  the default"
+               : o->compression < GP_COMPRESSION_PXR24 ? ""
+                                                       : "  lossy");
     }
 }
 
@@ -233,8 +237,9 @@ static void print_table(const struct gp_bench_table *t)
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const r = &f->row[k];
             if (!r->why[0] && strcmp(r->name, "auto") == 0)
-                printf("  auto took %s: %s%s%s\n", r->facts.engine,
-                       r->facts.why, r->same ? "; the same runs as " : "",
+                printf("  auto took %.*s%s%s\n",
+                       (int) strcspn(r->facts.why, ","), r->facts.why,
+                       r->same ? ": the same runs as " : "",
                        r->same ? r->same : "");
             gl = !gl && r->gl[0] ? r->gl : gl;
         }
@@ -249,8 +254,9 @@ static void print_table(const struct gp_bench_table *t)
         putchar('\n');
     }
     printf(
-        "> on the Pareto front: no other row is nearer (of a format: smaller) "
-        "and its median faster than the fastest run here\n"
+        "> on the Pareto front: no other row is nearer and its median faster "
+        "than the fastest run here\n"
+        "  (files: smaller; EXR, lossy EXR and PNG have a front each)\n"
         "* a whole run takes over 6 s: extrapolated from parts of "
         "the sources, a tenth (or hundredth) and a tenth of that\n"
         "first: the first run, which makes plans, spectra and contexts "
@@ -545,9 +551,9 @@ static int find_points(const struct gp_bench_frame *f, struct axis axis[2],
     int n = 0;
     for (int i = 0; i < f->rows; i++) {
         const struct gp_bench_row *const r = &f->row[i];
-        if (r->layer || !r->measured || !isfinite(r->error.rel_l2) ||
-            !(r->ms > 0.0)) // those of another layer have another error
-            continue;
+        if (r->layer || r->same || !r->measured || !isfinite(r->error.rel_l2) ||
+            !(r->ms > 0.0))
+            continue; // those of another layer have another error
         at[n++] = (struct point) {
             .row = r, .v = {r->ms, fmax(r->error.rel_l2, LEAST)},
         };
@@ -631,16 +637,18 @@ static void write_panel(const struct gp_bench_frame *f, FILE *to)
     }
     fprintf(to, "'/>\n<text x='%d' y='20' text-anchor='end' fill='#c03020'>"
             "Pareto front</text>\n", WIDTH - RIGHT);
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
+        const char *const twin = at[i].row->twin;
         fprintf(to,
                 "<path d='M%.1f %.1fL%d %.1f' stroke='#bbb'/><circle "
                 "cx='%.1f' cy='%.1f' r='4' fill='%s'/><text x='%d' "
-                "y='%.1f'%s>%s</text>\n",
+                "y='%.1f'%s>%s%s%s</text>\n",
                 at[i].at[0], at[i].at[1], WIDTH - RIGHT + 10, at[i].label,
                 at[i].at[0], at[i].at[1],
                 at[i].row->pareto ? "#c03020" : "#2050a0", WIDTH - RIGHT + 14,
                 at[i].label + 4.0, at[i].row->pareto ? "" : " fill='#666'",
-                at[i].row->name);
+                at[i].row->name, twin ? ", " : "", twin ? twin : "");
+    }
 }
 
 /* Milliseconds against rel_l2, a picture a frame; no text of the user's. */

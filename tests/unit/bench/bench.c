@@ -105,7 +105,8 @@ static void options_ask_for_the_technique(void **state)
         {"fft", "-e fft"},
         {"splat group 8", "-e splat --group 8 --cluster 0 --shrink 0"},
         {"splat 4/8/1e-3", "-e splat --group 4 --cluster 8 --shrink 0.001"},
-        {"levels", "-e fft"},
+        {"levels", "-e fft --tolerance 0.001"},
+        {"levels 1e-2", "-e fft --tolerance 0.01"},
         {"auto", "-e auto --tolerance 0.25"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
