@@ -195,8 +195,8 @@ static json_t *about_row(const struct gp_log *log, const struct gp_settings *s,
     if (gp_command_text(log, s, in, 1, true, &text))
         return NULL;
     json_t *const o = json_pack("{ss so}", "name", row, "command",
-                                json_sprintf("glarepp %s -o out.png%s", options,
-                                             text + sizeof bench - 1));
+                                json_sprintf("glarepp%s %s -o out.png",
+                                             text + sizeof bench - 1, options));
     free(text);
     return o;
 }
@@ -233,10 +233,12 @@ static gp_status take_table(void *user, const struct gp_log *log, json_t *frame)
     const struct gp_settings *const s = u->run.s;
     const size_t room = gp_page_room(s, u->set.n);
     json_t *const name = json_object_get(frame, "input"), *set = NULL;
-    json_t *const entry =
-        json_pack("{sO? sO sf so}", "label", s->bench.paper ? name : NULL,
-                  "table", json_object_get(frame, "rows"), "tolerance",
-                  (double) s->light.layer.tolerance, "notes", json_array());
+    json_t *const entry = json_pack(
+        "{sO? sO sO sO* sf so}", "label", s->bench.paper ? name : NULL, "table",
+        json_object_get(frame, "rows"), "choices",
+        json_object_get(frame, "choices"), "whole",
+        json_object_get(frame, "whole"), "tolerance",
+        (double) s->light.layer.tolerance, "notes", json_array());
     gp_status st = GP_OK;
     if (u->set.n) {
         GP_TRY(gp_page_thumb(log, &u->set, 0, 110, &set));

@@ -443,8 +443,13 @@ def test_bench(b):
     b.run("[...document.querySelectorAll('#table thead button')].find(n => n.textContent === 'ms').click()")
     ms = b.run("[...document.querySelectorAll('#table tbody tr')].map(r => +r.cells[1].textContent)")
     check(ms == sorted(ms) and len(ms) > 8, "the table sorts", ms)
+    tables = b.run("""[...document.querySelectorAll('#facts table')].map(t => [t.caption.textContent, t.tBodies[0].rows.length,
+        t.tHead.innerText.split(/\\s+/), [...t.tBodies[0].rows].map(r => [...r.cells].map(c => c.textContent))])""")
+    check([t[:2] for t in tables] == [["fastest within", 12], [tables[-1][0], 23]] and tables[1][0].startswith("whole run: read ") and
+          any(r[:2] == ["rel_l2", "0.1"] and float(r[3]) > 0 for r in tables[0][3]) and
+          all(float(r[4]) > float(r[2]) > 0 for r in tables[1][3] if r[2] != "–"), "the fastest within each error, and the whole run", tables)
     made = b.run("$('made').innerText")
-    check("glarepp -e splat --group 8" in made and "--runs 1" in made, "the commands of the point, and of the page", made)
+    check("-e splat --group 8" in made and "--runs 1" in made, "the commands of the point, and of the page", made)
     b.resize(400, 800)
     b.settle()
     check(b.run("[...document.querySelectorAll('.point circle, #plot > .axis')].every(n => n.getBoundingClientRect().right <= 400)"),

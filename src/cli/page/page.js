@@ -235,9 +235,7 @@ function drawMarks(cut) {
     const [start, width] = half(from), path = new Path2D(), frame = new Path2D();
     const at = (x, y) => [start + width / 2 + (x - state.x) * z, h / 2 + (y - state.y) * z];
     paint.save();
-    paint.beginPath();
-    paint.rect(start, 0, width, h);
-    paint.clip();
+    paint.beginPath(); paint.rect(start, 0, width, h); paint.clip();
     if (z >= 6 * state.dpr) {
       path.rect(...at(state.px, state.py), z, z);
       stroke(path);
@@ -318,10 +316,8 @@ function resize() {
   if (!w || !h || (w === canvas.width && h === canvas.height)) return;
   const whole = !canvas.ready || fitted();
   state.zoom *= w / canvas.width;
-  canvas.width = w;
-  canvas.height = h;
+  Object.assign(canvas, {width: w, height: h, ready: true});
   state.dpr = dpr;
-  canvas.ready = true;
   if (state.set) whole ? fit() : redraw();
 }
 
@@ -409,8 +405,7 @@ function sortable(columns, rows) {
       });
       body.append(...rows.map(r => r.tr));
     };
-    th.append(button);
-    head.append(th);
+    th.append(button); head.append(th);
   });
   table.append(make('thead'), body);
   table.firstChild.append(head);
@@ -517,8 +512,7 @@ function showBench(entry) {
     node.onfocus = () => name([p]);
     node.onclick = e => choose(under(e)[(under(e).findIndex(q => q.r.node.classList.contains('chosen')) + 1) % under(e).length].r);
     node.onkeydown = e => { if (e.key === 'Enter' || e.key === ' ') { e.preventDefault(); choose(p.r); } };
-    p.r.node = node;
-    svg.append(node);
+    svg.append(p.r.node = node);
   }
   const columns = ['name', 'ms', 'ms_first', 'rel_l2', 'max_rel', 'flip', 'bound', 'options'], lines = rows.map(r => {
     const pick = make('button', r.name, {type: 'button'});
@@ -526,6 +520,12 @@ function showBench(entry) {
     return r.line = {cells: [pick, ...columns.slice(1).map(c => c === 'options' ? make('span', r.why || r.options) : r[c] ?? null)]};
   });
   showTable(columns, lines);
+  const table = (caption, names, all) => titled(caption, names, all.map(r => names.map(c => r[c] ?? null))), w = entry.whole;
+  const before = w && (w.read_ms || 0) + w.glare_ms + w.tone_ms;
+  $('numbers').hidden = false;
+  $('facts').replaceChildren(table('fastest within', ['by', 'within', 'name', 'ms', 'error', 'bound', 'options'], entry.choices), ...w ? [table(
+    `whole run: read ${number(w.read_ms)}, glare ${number(w.glare_ms)}, compose and tone map ${number(w.tone_ms)} ms, then one of; pareto: of its format`,
+    ['options', 'format', 'ms', 'bytes', 'whole ms', 'default', 'pareto'], w.outputs.map(o => ({...o, 'whole ms': before + o.ms || null})))] : []);
 }
 
 const current = (node, on) => on ? node.setAttribute('aria-current', 'true') : node.removeAttribute('aria-current');
