@@ -7,6 +7,7 @@ import glob
 import json
 import math
 import os
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -201,8 +202,8 @@ def bars(glarepp):
         os.chdir(folder)
         try:
             tracer = folder + "/trace"
-            subprocess.run([os.environ.get("CC", "cc"), "-O3", "-ffast-math", HERE + "/trace.c",
-                            "-o", tracer, "-lm"], check=True)
+            subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-O3", "-ffast-math",
+                            HERE + "/trace.c", "-o", tracer, "-lm"], check=True)
             for name in os.environ.get("GLAREPP_LENSES", "").split(",") \
                     if os.environ.get("GLAREPP_LENSES") else lenses:
                 primaries = AP0 if "coatings" in lenses[name] else BT709
