@@ -1,22 +1,23 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Deep frames of leaves and smoke, and the shares of lights in them.
+"""Deep frames of leaves and smoke, or of hair, and the shares of lights in them.
 
     deep.py make FOLDER       deep.exr, other.exr (its samples in another order), plain.exr
                               (its picture), lights.json, truth.json
+    deep.py hair FOLDER SEED  deep.exr, lights.json, truth.json
     deep.py check TRUTH.json REPORT.json LIMIT
 
 A pixel's samples are what a renderer writes: the coverage of each leaf, nearest first, by
-8 x 8 rays; of smoke its alpha between front and back. The truth is of a second camera,
+16 x 16 rays; of smoke its alpha between front and back. The truth is of a second camera,
 which looks at one light only: 256 x 256 rays to its disc, through the same leaves
-and smoke."""
+and smoke. Hair is bits, 16 x 16 a pixel, of which samples and truth are counts."""
 import json
 import math
 import random
 import struct
 import sys
 
-W, H, RAYS, LOOKS = 96, 64, 8, 256
+W, H, RAYS, LOOKS = 96, 64, 16, 256
 
 
 def scene(rng):
@@ -165,6 +166,55 @@ def make(folder):
     json.dump(truth, open(folder + "/truth.json", "w"))
 
 
+def hair(folder, seed):
+    """120 straight hairs, 0.1 to 0.8 pixels wide, and discs of 6 to 8 pixels among them."""
+    n, rng, lights, truth = 16, random.Random(seed), [], {}
+    clear = [(1 << W * n) - 1] * (H * n)  # rows of bits that no hair covers yet
+    left = [[n * n] * W for _ in range(H)]  # of these in each pixel
+    pixels = [[[] for _ in range(W)] for _ in range(H)]
+
+    def bits(row, a, b):
+        return clear[row] & ((1 << b) - (1 << a)) if b > a else 0
+
+    def look(depth):
+        r = rng.choice((6, 6, 7, 8))
+        x, y = rng.uniform(r + 1, W - r - 1), rng.uniform(r + 1, H - r - 1)
+        seen = total = 0
+        for row in range(round((y - r) * n), round((y + r) * n)):
+            half = math.sqrt(max(r * r - ((row + 0.5) / n - y) ** 2, 0))
+            a, b = round((x - half) * n), round((x + half) * n)
+            seen += bin(bits(row, a, b)).count("1")
+            total += b - a
+        name = "h%d" % len(lights)
+        lights.append({"name": name, "pixel": [x, y], "radius": r, "bias": 0,
+                       **({"depth": depth} if depth else {})})
+        truth[name] = seen / total
+
+    depths = sorted(rng.uniform(3, 40) for _ in range(24))
+    for z in sorted(rng.uniform(3, 40) for _ in range(120)):
+        while depths and depths[0] < z:
+            look(depths.pop(0))
+        x, y, w = rng.uniform(0, W), rng.uniform(0, H), rng.uniform(0.05, 0.4)
+        turn, gone = rng.uniform(0, math.pi), {}
+        for row in range(H * n):
+            mid = x + ((row + 0.5) / n - y) / math.tan(turn)
+            a, b = (min(max(round((mid + k * w / math.sin(turn)) * n), 0), W * n) for k in (-1, 1))
+            cut = bits(row, a, b)
+            clear[row] ^= cut
+            for px in range(a // n, -(-b // n) if cut else 0):
+                gone[row // n, px] = (gone.get((row // n, px), 0) +
+                                      bin(cut >> px * n & (1 << n) - 1).count("1"))
+        for (py, px), count in gone.items():
+            if count:
+                pixels[py][px].append((z, z, count / left[py][px]))
+                left[py][px] -= count
+    for depth in depths + [None] * 40:
+        look(depth)
+    write(folder + "/deep.exr", pixels, lambda s: s)
+    json.dump(lights, open(folder + "/lights.json", "w"))
+    json.dump(truth, open(folder + "/truth.json", "w"))
+
+
 def check(truth, report, limit):
     want = json.load(open(truth))
     got = {l["name"]: l for l in json.load(open(report))["lights"]}
@@ -183,5 +233,7 @@ def check(truth, report, limit):
 if __name__ == "__main__":
     if sys.argv[1] == "make":
         make(sys.argv[2])
+    elif sys.argv[1] == "hair":
+        hair(sys.argv[2], int(sys.argv[3]))
     else:
         check(sys.argv[2], sys.argv[3], float(sys.argv[4]))

@@ -19,6 +19,12 @@ quiet_success 'a deep file beside the frame'
 is "$(shares)" '10 10 True' 'intervals hold the truth; worst error'
 note "$(cat found)"
 like "$(field r.json 'o["sun_edges"]')" 'deep: *' 'the report says so'
+mkdir hair
+"$python" "$cli/deep.py" hair hair 1
+run --lights hair/lights.json --report hair.json hair/deep.exr
+is "$("$python" "$cli/deep.py" check hair/truth.json hair.json 0.01 2>found)" '64 64 True' \
+    'hair: intervals hold the truth; worst error'
+note "hair, $(cat found)"
 run --lights lights.json --deep other.exr --report other.json plain.exr
 is "$(field other.json '[round(l["visibility"], 5) for l in o["lights"]]')" \
     "$(field r.json '[round(l["visibility"], 5) for l in o["lights"]]')" \
