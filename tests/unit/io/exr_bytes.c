@@ -291,8 +291,19 @@ static void tables_never_written(void **state)
         gp_input_free(in);
         // the last chunk a byte short; the second in place of the last
         assert_int_equal(end_of(bytes, size - 1), 0);
-        if (row[i].file.part[0].compression == EXR_COMPRESSION_NONE) {
+        if (row[i].file.parts ==
+            2) { // b's first tile is a's row 19, and that 20
+            const int32_t past = 20, taken[3] = {0, 19, 12 + 2 * 8 * 8};
+            memcpy(bytes + own[19] + 4, &past, sizeof past);
+            memcpy(bytes + own[20], taken, sizeof taken);
+            assert_int_equal(end_of(bytes, size), 0);
+        } else if (row[i].file.part[0].compression == EXR_COMPRESSION_NONE) {
             memcpy(bytes + own[n - 1], bytes + own[1], 4);
+            assert_int_equal(end_of(bytes, size), 0);
+        }
+        if (row[i].file.part[0].tile == 16) { // the fourth beside the third
+            const int32_t beside[2] = {3, 0};
+            memcpy(bytes + own[3], beside, sizeof beside);
             assert_int_equal(end_of(bytes, size), 0);
         }
         fixture_save(path, bytes, size);

@@ -181,6 +181,7 @@ static void primitives_share_vertices_and_have_boxes_of_their_own(void **state)
 
 static void a_glb_has_its_buffer_in_its_second_chunk(void **state)
 {
+    const uint32_t whole = 28 + ((sizeof GM_GLB_JSON + 2) & ~3u) + 36;
     struct gp_scene s = gm_read(gm_write_glb(GM_GLB_JSON, corners, 36, 0),
                                    GLAREPP_UP_Y);
     assert_memory_equal(s.position, corners, sizeof corners);
@@ -189,6 +190,10 @@ static void a_glb_has_its_buffer_in_its_second_chunk(void **state)
     gm_refused(gm_write_glb(GM_GLB_JSON, corners, 36, 9999), GP_ERR_DATA,
                "truncated");
     gm_refused(gm_write_glb(GM_GLB_JSON, corners, 36, 100), GP_ERR_DATA, "damaged");
+    gm_refused(gm_write_glb(GM_GLB_JSON, corners, 36, whole - 1), GP_ERR_DATA,
+               "damaged (chunk 1 of 36 bytes, the file has 35 left)");
+    gm_refused(gm_write_glb(GM_GLB_JSON, corners, 36, whole + 1), GP_ERR_DATA,
+               "truncated");
     gm_refused(gm_write_bytes("a.glb", "glTF\1\0\0\0\14\0\0\0", 12),
                GP_ERR_DATA, "version 1");
 }
