@@ -365,6 +365,34 @@ static void bounds_are_not_twice_too_large(void **state)
     gp_set_threads(0);
 }
 
+/* Light everywhere and a kernel of two halves, of which one has all: the least
+ * that a cell gives is what the pixels at its end do. */
+static void cells_give_no_more_than_their_least(void **state)
+{
+    enum { N = 64, K = 4 * N + 1 };
+    for (int way = 0; way < 4; way++) {
+        struct gp_kernel_params kp = {.normalize = GP_NORMALIZE_NONE};
+        struct gp_image image = scene_frame(K, K, 0, 0, BLACK, 0);
+        struct scene s = {.f = scene_frame(N, N, 0, 0, BLACK, 0)};
+        for (int i = 0; i < K * K; i++) {
+            const int at = way % 2 ? i / K : i % K;
+            const bool lit = way < 2 ? at >= K / 2 : at <= K / 2;
+            for (int c = 0; c < 3; c++)
+                image.rgb.c[c][i] = lit ? 1.0f : 1e-6f;
+        }
+        for (int i = 0; i < 3 * N * N; i++)
+            s.f.rgb.c[i % 3][i / 3] = 2.0f;
+        assert_ok(gp_kernel_from_frame(NULL, &kp, &image, &s.k));
+        assert_ok(gp_sense(NULL, &open_all, false, &s.f, &s.src));
+        scene_find_exact(&s);
+        const double ratio = least_ratio(false, &s);
+        if (!(ratio > 0.5 && ratio <= 1.0))
+            fail_msg("way %d: %g", way, ratio);
+        gp_image_free(&image);
+        scene_free(&s);
+    }
+}
+
 /* Made for one term, without which each is over its bound; others are far over
  * their error here. */
 static void terms_of_bounds_are_needed(void **state)
@@ -397,4 +425,5 @@ static void terms_of_bounds_are_needed(void **state)
 }
 
 SUITE_OF(adversary, NULL, NULL, no_frame_is_over_its_bound,
-         bounds_are_not_twice_too_large, terms_of_bounds_are_needed)
+         bounds_are_not_twice_too_large, cells_give_no_more_than_their_least,
+         terms_of_bounds_are_needed)
