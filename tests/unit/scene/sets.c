@@ -421,6 +421,38 @@ static void sides_of_the_frustum_are_in_it(void **state)
     made_free(&s);
 }
 
+/* An octahedron whose nearest corner is 5 % of its radius inside a spot's cone, or
+ * outside, is what the spot lights, or not. */
+static void corners_in_a_cone_are_lit(void **state)
+{
+    const double a = 20.0 * MADE_PI / 180.0;
+    const struct gp_rect window = {0, 0, W, H};
+    struct gp_scene s = made_scene();
+    const struct gp_sets_view view = {
+        .camera = made_camera(&s, (struct gp_v3) {0, -9, 0},
+                              (struct gp_v3) {0, 0, 0}, 50.0, (double) W / H),
+        .display = window,
+        .window = window,
+        .near = SHOT_NEAR};
+    const int ball = made_ball(&s, 0, 2);
+    struct gp_sets *sets;
+    for (int i = 0; i < 2; i++) {
+        const double off = i ? 1.05 : 0.95;
+        made_put(&s, ball,
+                 (struct gp_v3) {5.0 * sin(a) + off * cos(a),
+                                 5.0 * cos(a) - off * sin(a), 0},
+                 (struct gp_v3) {2, 2, 2}, -20.0);
+    }
+    made_spot(&s, (struct gp_v3) {0, 0, 0}, (struct gp_v3) {0, 1, 0}, 100.0,
+              30.0, 10.0, 20.0);
+    assert_ok(gp_sets_open(NULL, &s, &view, GP_SETS_LIGHTS, &sets));
+    gp_sets_light(sets, 0);
+    assert_true(gp_sets_flags(sets)[0] & GP_SET_L);
+    assert_false(gp_sets_flags(sets)[1] & GP_SET_L);
+    gp_sets_close(&sets);
+    made_free(&s);
+}
+
 /* 15.2.1: 14 batches of ambient light, and for each of three lights all of them
  * for shadows and all for light: 98. */
 static void example_of_98(void **state)
@@ -537,6 +569,7 @@ SUITE(sets)
         bodies_throw_umbras,
         example_of_98,
         sides_of_the_frustum_are_in_it,
+        corners_in_a_cone_are_lit,
         rounded_depths_are_in_the_scissor,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
