@@ -11,7 +11,7 @@ for n in 01 02 03 04 05 06 07 08 09 10 11 12; do
     frame in.00$n.exr size=160x120 seed=$n lights=40 channels=R,G,B,A,Z:float
 done
 mkdir good
-run -e direct --hdr good/h.####.exr -o good/p.####.png in.####.exr
+run -e fft --hdr good/h.####.exr -o good/p.####.png in.####.exr
 quiet_success 'the run that nobody kills'
 
 cat >killer.py <<'PY'
@@ -37,7 +37,7 @@ def start():
     os.mkdir("m")
     out = open("stdout", "wb")
     # sh may have ignored SIGINT, and then so does the program
-    return subprocess.Popen([program, "-e", "direct", *ARGUMENTS, "in.####.exr"],
+    return subprocess.Popen([program, "-e", "fft", *ARGUMENTS, "in.####.exr"],
                             stdout=out, stderr=subprocess.PIPE,
                             preexec_fn=as_it_was)
 
@@ -96,8 +96,8 @@ print(f"# seed {seed}, a run takes {took * 1000:.0f} ms")
 for line in found[:10]:
     print("# " + line)
 PY
-"$glarepp" -e direct --raw rgb24 -o - in.####.exr >raw.good
-"$glarepp" -e direct --stdout-format png -o - in.####.exr >png.good
+"$glarepp" -e fft --raw rgb24 -o - in.####.exr >raw.good
+"$glarepp" -e fft --stdout-format png -o - in.####.exr >png.good
 
 seed=${GLAREPP_TEST_SEED-6}
 fewer=$((times / 5))
@@ -119,20 +119,20 @@ if LC_ALL=C grep -qa __asan_init "$glarepp" || [ ! -f "$shim" ]; then
 else
     for row in '1 0' '2 1'; do
         set -- $row
-        LD_PRELOAD=$shim FAULT=fsync:$1 "$glarepp" -q -e direct --fsync \
+        LD_PRELOAD=$shim FAULT=fsync:$1 "$glarepp" -q -e fft --fsync \
             -o m/p.0001.png in.0001.exr >out 2>err
         status=$?
         fails_with 3 m/p.0001.png "fsync $1 fails"
         is "$(ls -A m | wc -l)" "$2" "fsync $1 fails: files"
     done
-    LD_PRELOAD=$shim FAULT=fsync:1+ "$glarepp" -q -e direct -o m/p.0001.png \
+    LD_PRELOAD=$shim FAULT=fsync:1+ "$glarepp" -q -e fft -o m/p.0001.png \
         in.0001.exr >out 2>err
     is $? 0 'without --fsync none is called'
 fi
 
 # The next run ignores files that a killed run left
 rm -rf m && mkdir m
-run -e direct --hdr m/h.####.exr -o m/p.####.png in.####.exr
+run -e fft --hdr m/h.####.exr -o m/p.####.png in.####.exr
 quiet_success 'the run after'
 ok 'the run after: all files are there and the same' diff -r good m
 done_testing

@@ -133,6 +133,9 @@ class Tree:
 
 
 def main():
+    if len(sys.argv) < 2 or not (sys.argv[1] == "--lines" or os.path.isdir(sys.argv[1])):
+        print(__doc__)
+        sys.exit(sys.argv[1:] != ["--help"])
     mutants = [m for path in sorted(glob.glob(os.path.join(ROOT, "tests/mutants/*.txt")))
                for m in read_list(path)]
     stale = [f"{m['where']}: {changed(m)[1]}" for m in mutants if not changed(m)[0]]
