@@ -61,6 +61,45 @@ static void light_goes_as_far_as_published(void **state)
     }
 }
 
+/* Eqs. 5 to 8 as they are printed, their weights to three digits; without a halo its
+ * weight is light that is not scattered. The halo as wide as fibres make it. */
+static void spencers_weights_are_published(void **state)
+{
+    static const double t = 0.3, nm = 568.0, wide = 0.159, apart = 0.19 * 3.0;
+    static const struct {
+        const char *text;
+        double weight[4];
+    } rows[] = {
+        {"spencer:halo=0", {.384, .478, .138, 0}},
+        {"spencer:light=mesopic,halo=0", {.368, .478, .138, .016}},
+        {"spencer:light=scotopic,halo=0", {.282, .478, .207, .033}},
+    };
+    const double term[] = {
+        2.61e6 * exp(-pow(t / 0.02, 2)),
+        20.91 / pow(t + 0.02, 3),
+        72.37 / pow(t + 0.02, 2),
+        pow(180.0 / M_PI, 2) /
+            (6.0 * M_PI * sqrt(2.0 * M_PI) * hypot(wide, apart)) *
+            exp(-0.5 * pow((t - 3.0) / hypot(wide, apart), 2)),
+    };
+    (void) state;
+    for (int i = 0; i < 4; i++)
+        assert_true(fabs(gp_spencer_term(i, t, nm) / term[i] - 1.0) < 1e-9);
+    for (size_t k = 0; k < COUNT(rows); k++) {
+        const double *const w = rows[k].weight;
+        const double want[3] = {w[0] + w[3], w[1], w[2]};
+        struct gp_recipe r = scene_recipe(rows[k].text);
+        struct gp_angular a;
+        assert_true(r.model->angular(&r, &plain, &a));
+        for (int i = 0; i < 3; i++) {
+            if (!(fabs(a.v[i] - want[i]) < 5e-4))
+                fail_msg("%s, f%d: %.4f, not %.3f", rows[k].text, i, a.v[i],
+                         want[i]);
+        }
+        gp_recipe_free(&r);
+    }
+}
+
 /* CIE 135/1 as it is printed, from 1 degree on within 0.3 %: the veiling luminance over
  * the illuminance. All of the light is 1. */
 static void total_equation_is_absolute(void **state)
@@ -241,6 +280,33 @@ static void needles_end_where_they_are_said_to(void **state)
     gp_recipe_free(&rays);
 }
 
+/* Off a single needle a fifth of the even corona is left. */
+static void a_fifth_is_no_needles(void **state)
+{
+    enum { R = 60 };
+    static const char *const texts[] = {"spencer", "spencer:needles=1"};
+    struct gp_kernel k[2];
+    struct gp_field f = plain;
+    double least = 1.0;
+    (void) state;
+    f.w = f.h = R + 1;
+    for (int i = 0; i < 2; i++) {
+        struct gp_recipe r = scene_recipe(texts[i]);
+        assert_ok(gp_model_kernel(NULL, &r, 1, &f, &k[i]));
+        gp_recipe_free(&r);
+    }
+    for (int i = 0; i < (2 * R + 1) * (2 * R + 1); i++) {
+        const int x = i % (2 * R + 1) - R, y = i / (2 * R + 1) - R;
+        if (hypot(x, y) > 20.0) // .6 degree
+            least = fmin(least,
+                         sample_at(&k[1], 0, x, y) / sample_at(&k[0], 0, x, y));
+    }
+    print_message("%.4f of the corona off a needle\n", least);
+    assert_true(fabs(least - 0.2) < 0.002);
+    for (int i = 0; i < 2; i++)
+        gp_kernel_free(&k[i]);
+}
+
 /* A halo adds, in luminance, its weight of eqs. 7 and 8 times f3. */
 static void halos_have_their_weights(void **state)
 {
@@ -348,7 +414,8 @@ static void halo_is_added_to_the_corona(void **state)
 }
 
 SUITE_OF(model_eye, start, NULL, light_goes_as_far_as_published,
-         total_equation_is_absolute, general_equation_is_the_cies,
-         eyes_adapt_to_frames, needles_stay_on_their_circles,
-         needles_end_where_they_are_said_to, halos_have_their_weights,
+         spencers_weights_are_published, total_equation_is_absolute,
+         general_equation_is_the_cies, eyes_adapt_to_frames,
+         needles_stay_on_their_circles, needles_end_where_they_are_said_to,
+         a_fifth_is_no_needles, halos_have_their_weights,
          halo_is_added_to_the_corona)
