@@ -313,12 +313,12 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
         least = fmax(least, gp_sky_error_of(k->sky)->kept *
                                 sqrt(sum / ((double) src->w * src->h)));
     }
-    // (adding the far field rounds once, light from beyond the border 4 times)
+    // (light from beyond the border is rounded 4 times)
     *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;
     *floor += !k->sky      ? 0.0
               : req->exact ? GP_SKY_EXACT
                            : gp_sky_error_of(k->sky)->relative;
-    *floor += (req->far ? 0x1p-24 : 0.0) + (req->beyond ? 0x1p-22 : 0.0);
+    *floor += req->beyond ? 0x1p-22 : 0.0;
     return GP_OK;
 }
 
@@ -410,10 +410,9 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
                                 2.0 * (double) req->src->n);
         if (req->far)
             o.far[c] = gp_far_pixel_error(req->far, k->far, req->src, c) +
-                        0x1p-24 * o.layer[c] +
-                        gp_far_error_of(req->far)->column *
-                            sqrt((double) req->src->w * req->src->h) *
-                            gp_beyond_most(req->beyond);
+                       gp_far_error_of(req->far)->column *
+                           sqrt((double) req->src->w * req->src->h) *
+                           gp_beyond_most(req->beyond);
     }
     gp_parallel_do(m.cells.rows, bound_row, &m);
     for (int c = 0; c < 3 && !k->negative; c++) {
@@ -427,9 +426,7 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
         o.dimmest = fmin(o.dimmest, m.least[i] + more);
         o.brightest = fmax(o.brightest, m.most[i] + more);
     }
-    // light from beyond is rounded 4 times; a sum in double errs by its rounding
-    // to float alone, which the engines bound: by up to .995 of it without more
-    o.rounded = 0x1p-26 + (req->beyond ? 0x1p-22 : 0.0);
+    o.rounded = req->beyond ? 0x1p-22 : 0.0; // light from beyond, 4 times
     *out = o;
 out:
     gp_free(m.least);

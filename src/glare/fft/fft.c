@@ -298,8 +298,8 @@ static gp_status open_frame(const struct gp_glare_request *req, void **state,
     return GP_OK;
 }
 
-/* Roundings of a sample outside of the transform: to float, of the centre's
- * light, and of their sum. */
+/* Roundings of a sample outside of the transform: to float or of the centre's light,
+ * of their sum, and where the far field is added. */
 static const double OUTSIDE = 0x3p-24;
 
 /* Bounds rel_l2, where the layer's norm is at least `least`. */
