@@ -142,6 +142,39 @@ static void no_pixel_is_over_its_bound(void **state)
     }
 }
 
+/* Products under the range of float, whose last digits are lost, are in the bounds
+ * of layer and pixel: of lights just inside it, each seen by a millionth. */
+static void underflow_is_in_the_bounds(void **state)
+{
+    static const char *const engines[] = {"direct", "fft"};
+    enum { N = 9 };
+    for (size_t e = 0; e < COUNT(engines); e++) {
+        struct gp_kernel_params kp = {.normalize = GP_NORMALIZE_NONE};
+        struct gp_image f = scene_frame(N, N, 0, 0, BLACK, 1u);
+        struct gp_image image = scene_frame(N, N, 0, 0, BLACK, 1u);
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare g = {0};
+        struct glarepp_layer_facts stats;
+        struct glarepp_errors error;
+        struct gp_kernel k;
+        for (int i = 0; i < 3 * N * N; i++) {
+            f.rgb.c[i % 3][i / 3] = i / 3 % 4 ? 0.0f : 1.7e-38f;
+            image.rgb.c[i % 3][i / 3] = 1e-6f * (float) (1 + i / 3 % 5);
+        }
+        assert_ok(gp_kernel_from_frame(NULL, &kp, &image, &k));
+        gp_image_free(&image);
+        struct scene s = scene_make(f, k, &open_all);
+        p.engine = engines[e];
+        p.tolerance_pixel = 1e-3f;
+        assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f, &stats));
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, NULL, p.gain, NULL, &error);
+        assert_true(error.rel_l2 <= stats.bound);
+        assert_true(error.max_rel <= stats.bound_pixel);
+        gp_glare_close(&g);
+        scene_free(&s);
+    }
+}
+
 /* A frame in which each fifth pixel is a lamp and the others are black. */
 static struct gp_image lamps(void)
 {
@@ -176,4 +209,5 @@ static void lamps_light_the_dark(void **state)
 }
 
 SUITE_OF(pixel, NULL, NULL, no_light_where_no_light_reaches,
-         no_pixel_is_over_its_bound, lamps_light_the_dark)
+         no_pixel_is_over_its_bound, underflow_is_in_the_bounds,
+         lamps_light_the_dark)
