@@ -22,6 +22,12 @@ static void vertices_of_objects(void **state)
                         1e-12);
             assert_true(fabs(got->radius - want.radius) <
                         1e-9 * want.radius);
+            const struct gp_submesh *const p =
+                &s.submesh[s.mesh[got->mesh].first];
+            for (int j = p->first; j < p->first + p->count; j++)
+                assert_true(gp_v3_length(gp_v3_sub(made_corner(&s, got, j),
+                                                   gp_box_middle(&got->box))) <=
+                            got->radius);
         }
         made_free(&s);
     }

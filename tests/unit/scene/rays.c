@@ -274,11 +274,16 @@ static void flat_objects_hide(void **state)
     static const struct {
         double size[3];
         bool hides;
-    } row[] = {{{2, 2, 1}, true},  {{2, 2, 1e-5}, true}, {{2, 2, 1e-12}, true},
-               {{2, 2, 0}, true},  {{2, 2, -0.0}, true}, {{0, 2, 2}, false},
-               {{2, 0, 0}, false}, {{0, 0, 0}, false},   {{-2, 2, 0}, true}};
-    const struct gp_v3 from = {0.3, 0.2, 9.0}, down = {0.0, 0.0, -2.0};
+    } row[] = {{{2, 2, 1}, true},   {{2, 2, 1e-5}, true}, {{2, 2, 1e-12}, true},
+               {{2, 2, 0}, true},   {{2, 2, -0.0}, true}, {{0, 2, 2}, false},
+               {{2, 0, 0}, false},  {{0, 0, 0}, false},   {{-2, 2, 0}, true},
+               {{2, 1e-5, 0}, true}};
+    const struct gp_v3 down = {0.0, 0.0, -2.0};
+    const double turn = 30.0 * MADE_PI / 180.0;
     for (size_t i = 0; i < COUNT(row); i++) {
+        const bool strip = row[i].size[1] == 1e-5; // the ray is on its middle
+        const struct gp_v3 from = {strip ? 0.3 * cos(turn) : 0.3,
+                                   strip ? 0.3 * sin(turn) : 0.2, 9.0};
         struct gp_scene s = made_scene();
         struct gp_meshes meshes = {0};
         struct gp_rays rays = {0};

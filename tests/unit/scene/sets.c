@@ -321,13 +321,18 @@ static void bodies_throw_umbras(void **state)
     struct gp_scene s = made_scene();
     const int holes = made_material(&s, 0.5f, made_holes(&s, 3, 4));
     const int clear = made_material(&s, 0.5f, -1);
-    const int box = made_box(&s, 0);
+    const int box = made_box(&s, 0), pole = s.vertices;
+    const int dented = made_ball(&s, 0, 5); // by less than a hundredth
     const struct {
         int mesh;
         bool dark;
     } row[] = {
-        {box, true}, {made_ball(&s, 0, 5), true}, {made_card(&s, 0), false},
-        {made_open_box(&s, 0, 1), false}, {made_box(&s, holes), false},
+        {box, true},
+        {made_ball(&s, 0, 5), true},
+        {made_card(&s, 0), false},
+        {dented, false},
+        {made_open_box(&s, 0, 1), false},
+        {made_box(&s, holes), false},
         {made_box(&s, clear), false},
     };
     const struct gp_rect window = {0, 0, W, H};
@@ -336,6 +341,7 @@ static void bodies_throw_umbras(void **state)
                               (struct gp_v3) {0, 0, 1}, 50.0, (double) W / H),
         .display = window, .window = window, .near = SHOT_NEAR};
     s.material[clear].base[3] = 0.4f;
+    s.position[3 * pole + 2] = -0.4f; // its ring is at -0.4045
     made_point(&s, (struct gp_v3) {0.1, 0.2, 9}, 100.0, 30.0);
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_sets *sets;
