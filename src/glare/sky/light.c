@@ -183,11 +183,12 @@ struct gp_sky_ellipse gp_sky_ellipse_at(const struct gp_projection *p, double x,
     const double mid = 0.5 * (g.xx + g.yy), half = 0.5 * (g.xx - g.yy);
     const double det = g.xx * g.yy - g.xy * g.xy;
     const double most = mid + gp_hypot(half, g.xy);
+    const double least = sqrt(fmax(det, 0.0) / most);
+    // (beyond a fisheye's rim pixels are too long for that)
+    const double wide =
+        p->kind == GP_PERSPECTIVE ? sqrt(fmin(least / sqrt(most), 1.0)) : 1.0;
     return (struct gp_sky_ellipse) {
-        sqrt(most),
-        sqrt(fmax(det, 0.0) / most),
-        sqrt(g.yy / det),
-        sqrt(g.xx / det),
-        sqrt(most) * sqrt(sqrt(fmin(sqrt(fmax(det, 0.0)) / most, 1.0))),
+        sqrt(most),        least, sqrt(g.yy / det), sqrt(g.xx / det),
+        sqrt(most * wide),
     };
 }
