@@ -239,6 +239,43 @@ static void no_ray_slips_through_an_edge(void **state)
     }
 }
 
+/* Rays just inside the sides of a card, by far less than floats know, near the origin,
+ * where lengths have roundings, and where floats of places are twice as far apart as
+ * those of the card: none passes its box by. */
+static void no_ray_passes_a_box_by(void **state)
+{
+    static const double half = 0.99999, high = 3.9999;
+    uint64_t seed = 5;
+    for (int far = 0; far < 2; far++) {
+        struct gp_scene s = made_scene();
+        struct gp_meshes meshes = {0};
+        struct gp_rays rays = {0};
+        const int one = 0;
+        const double middle = far * 4094.00013; // its side is rounded inwards
+        made_put(&s, made_card(&s, 0), (struct gp_v3) {middle, middle, high},
+                 (struct gp_v3) {2.0 * half, 2.0 * half, 1}, 0.0);
+        assert_ok(gp_rays_make(NULL, &s, &meshes, &one, 1, &rays));
+        int missed = 0;
+        for (int i = 0; i < 20000; i++) {
+            const double side = (i & 1 ? 1.0 : -1.0) * half * (1.0 - 1e-9);
+            const double t = made_between(&seed, -half, half);
+            const double scale = made_between(&seed, 0.1, 3.0);
+            const double beside = far * made_between(&seed, 4096.1, 4097.0);
+            const struct gp_v3 eye = {beside, beside, 0};
+            const struct gp_v3 at = {middle + (i & 2 ? side : t),
+                                     middle + (i & 2 ? t : side), high};
+            missed += !gp_rays_stopped(&rays, eye,
+                                       gp_v3_scale(gp_v3_sub(at, eye), scale),
+                                       2.0 / scale);
+        }
+        if (missed > 0)
+            fail_msg("%d missed, %s", missed, far ? "far" : "near");
+        gp_rays_free(&rays);
+        gp_meshes_free(&meshes);
+        made_free(&s);
+    }
+}
+
 /* Alpha that is the cut-off stops a ray, as glTF has it: of a material, and of a
  * texture times that. */
 static void alpha_of_the_cutoff_is_opaque(void **state)
@@ -351,5 +388,5 @@ static void empty_trees_stop_nothing(void **state)
 
 SUITE_OF(rays, NULL, NULL, rays_meet_what_each_triangle_says,
          cutouts_are_wrapped, alpha_of_the_cutoff_is_opaque,
-         no_ray_slips_through_an_edge, flat_objects_hide, places_without_end,
-         empty_trees_stop_nothing)
+         no_ray_slips_through_an_edge, no_ray_passes_a_box_by,
+         flat_objects_hide, places_without_end, empty_trees_stop_nothing)
