@@ -127,9 +127,9 @@ static double range_along(const struct light_range *r, double at)
 {
     double cosine = 1.0; // of the cone's nearest direction
     if (r->sin != 0.0 && at < r->cos)
-        // rounded up; 0 where it points away: the apex
-        cosine = fmax(0.0, at * r->cos +
-                      sqrt(fmax(0.0, 1.0 - at * at)) * r->sin + 1e-12);
+        // 0 where it points away: the apex
+        cosine =
+            fmax(0.0, at * r->cos + sqrt(fmax(0.0, 1.0 - at * at)) * r->sin);
     return cosine > 0.0 ? cosine * r->range : 0.0;
 }
 
