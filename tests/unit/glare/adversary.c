@@ -371,6 +371,9 @@ static void bounds_are_not_twice_too_large(void **state)
         // single lights, and light spread evenly
         {FFT_LEAST, {5, 7, 1, 1, 0, 0, "0..a", "0"}},
         {FFT_LEAST, {1, 8, 1, 3, 0, 1, "0", "0"}},
+        // kernels of which no light sees a whole side
+        {FFT_LEAST, {8, 1, 17, 1, 8, 0, "0", "0"}},
+        {FFT_LEAST, {1, 8, 1, 17, 0, 8, "0", "0"}},
     };
     gp_set_threads(1);
     for (size_t i = 0; i < COUNT(row); i++) {
