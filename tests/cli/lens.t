@@ -216,7 +216,7 @@ wrong_run()
 }
 wrong_run 4 --lens ./nolens.json
 wrong_run 3 --lens nosuch
-wrong_run 2 --lens heliar --f-number 2
+wrong_run 2 --lens heliar --f-number 3.47 # its own is 3.5
 wrong_run 2 --f-number 8
 wrong_run 2 --lens heliar --focus-distance 0.05
 wrong_run 2 --lens heliar --sensor-size 0
