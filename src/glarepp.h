@@ -397,7 +397,8 @@ struct glarepp_light {
     double ball;        // radius of a lamp in the world's units; 0: none
     double depth;       // nearer surfaces hide it; NAN: by its place
     double bias;        // share of depth, to 1, that may be nearer: hides nothing
-    float flux[3];      // scene-linear, summed over pixels; 0: no glare of its
+    float flux[3];      // scene-linear, summed over pixels, in a lat-long or
+                        // fisheye those of the middle; 0: no glare of its
                         // own, no flare
     char name[64];
     float gain[3]; // of a FOUND light, times the flux that SENSE finds

@@ -237,14 +237,15 @@ static int veil_lamps(const struct glarepp_frame *f,
         return 0;
     for (int i = 0; i < lights->suns.n; i++) {
         const struct gp_light *const l = &lights->suns.light[i];
-        const double pixels = M_PI * fmax(l->radius * l->radius, 0.25);
+        double there;
+        const double pixels = gp_suns_pixels(&lights->suns, l, &there);
         if (!gp_light_has_flux(l) || l->found || !(l->x >= data->x0) ||
             !(l->x < data->x1) || !(l->y >= data->y0) || !(l->y < data->y1))
             continue;
         const double flux = (double) gp_lit_luminance(
             f->image.luminance, l->flux[0], l->flux[1], l->flux[2]);
         lamp[n++] = (struct gp_veil_lamp) {
-            {l->x, l->y}, l->visibility * flux / pixels, pixels};
+            {l->x, l->y}, l->visibility * flux / pixels, there};
     }
     return n;
 }

@@ -285,13 +285,12 @@ void gp_api_warn_of_lights(struct glarepp_frame *f)
     const bool says = !(f->plan->said & GP_SAID_HIDDEN);
     for (int i = 0; i < suns->placed; i++) {
         const struct gp_light *const l = &suns->light[i];
-        const double r = fmax(l->radius, 0.5);
-        double own = 0.0;
+        double own = 0.0, there;
         if (is_hidden(f, l, says)) // all of the first frame that has some
             atomic_fetch_or(&f->plan->said, GP_SAID_HIDDEN);
         for (int c = 0; c < 3; c++)
             own += (double) f->image.luminance[c] * (double) l->flux[c];
-        own /= M_PI * r * r;
+        own /= gp_suns_pixels(suns, l, &there);
         if (!(own > 0.0) || l->behind || f->plan->sun.in_frame)
             continue;
         if (own > MANY * brightest && brightest > 0.0 &&

@@ -116,7 +116,7 @@ static double size_of(const struct glarepp_plan *plan,
 
 /* Light of the scene as one of the frame. Its flux is that of a disc as bright
  * as the light: a lamp's intensity over pi r^2, a sun's illuminance over the
- * disc's solid angle, times the disc's pixels. */
+ * disc's solid angle, times the disc's pixels, of a wide picture those in its middle. */
 static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     const struct gp_scene_light *l, const struct gp_camera *c,
     struct gp_rect display)
@@ -148,7 +148,9 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     }
     const double dir[3] = {to.x, to.y, to.z};
     const double radius =
-        gp_camera_disc(c, display, dir, gp_asin(sine) * (360.0 / PI));
+        c->wide.kind
+            ? 2.0 * gp_sin(0.5 * gp_asin(sine)) / sqrt(c->wide.dx * c->wide.dy)
+            : gp_camera_disc(c, display, dir, gp_asin(sine) * (360.0 / PI));
     const double flux = plan->scene.light_scale * power * radius *
                         radius / fmax(sine * sine, 1e-18);
     for (int i = 0; i < 3; i++)

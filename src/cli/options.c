@@ -229,8 +229,9 @@ const struct gp_option gp_options[] = {
         "Set the sun's diameter in degrees, for --sun-dir and --camera",
         .needs = GP_NEED_LIGHT, .lo = FLT_MIN, .hi = 90),
     OPT(sun.color, "sun-color", IN(SUN, MAIN), "R,G,B", "Set the sun's flux, "
-        "scene-linear, summed over pixels (one number: grey): it adds glare of "
-        "its own and lights the flare; without it, only the frame's bright "
+        "scene-linear, summed over pixels, of a lat-long or fisheye as many as "
+        "it has in the middle (one number: grey): it adds glare of its own and "
+        "lights the flare; without it, only the frame's bright "
         "pixels glare", .needs = GP_NEED_LIGHT | GP_NEED_SUN, .hi = 1e12,
         .least = 1, .most = 3),
     OPT(sun.p.in_frame, "sun-in-frame", IN(SUN, MAIN), NULL,

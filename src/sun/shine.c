@@ -110,6 +110,29 @@ static double cone_of(const struct gp_projection *p, const struct gp_light *l)
     return fmin(fmax(half, 0.5 * p->dy), M_PI);
 }
 
+/* Pixels of a wide picture's middle with the solid angle of one at a light's place. */
+static double even_of(const struct gp_suns *suns, const struct gp_light *l)
+{
+    const struct gp_projection *const p = &suns->wide;
+    return p->kind ? fmax(gp_projection_solid(p, l->x, l->y) / (p->dx * p->dy),
+                          0.01)
+                   : 1.0;
+}
+
+double gp_suns_pixels(const struct gp_suns *suns, const struct gp_light *l,
+                      double *there)
+{
+    const struct gp_projection *const p = &suns->wide;
+    const double even = even_of(suns, l);
+    *there = M_PI * fmax(l->radius * l->radius, 0.25);
+    if (p->kind == GP_LATLONG) {
+        // the cap's solid angle is 4 pi sin^2(half / 2)
+        const double chord = 2.0 * gp_sin(0.5 * cone_of(p, l));
+        *there = M_PI * chord * chord / (p->dx * p->dy * even);
+    }
+    return *there * even;
+}
+
 /* The rows of a sphere that a light's cone may meet. */
 static void cone_rows(const struct gp_projection *p, const struct gp_light *l,
                       int rows[2])
@@ -134,6 +157,7 @@ static void add_cone(const struct gp_projection *p, const struct gp_light *l,
     int rows[2];
     cone_rows(p, l, rows);
     for (int y = rows[0]; y < rows[1]; y++) {
+        const double even = gp_cos((y + 0.5 - p->y0) * p->dy);
         double wide[PARTS]; // of half of it, pixels; < 0: none
         for (int k = 0; k < PARTS; k++) {
             const double at = (y + (k + 0.5) / PARTS - p->y0) * p->dy;
@@ -150,7 +174,7 @@ static void add_cone(const struct gp_projection *p, const struct gp_light *l,
                 area += fmax(fmin(from + 1.0, wide[k]) - fmax(from, -wide[k]),
                              0.0) /
                         PARTS;
-            all += area;
+            all += area * even;
             if (!(area > 0.0) || !is_in(frame, x, y))
                 continue;
             struct gp_source *const e = &list[(*n)++];
@@ -175,6 +199,16 @@ bool gp_suns_have_light(const struct gp_suns *suns, bool seen)
             return true;
     }
     return false;
+}
+
+/* A light whose flux is the sum over its disc's pixels in their place. */
+static struct gp_light local_light(const struct gp_suns *suns,
+                                   const struct gp_light *l)
+{
+    struct gp_light own = *l;
+    for (int c = 0; c < 3; c++)
+        own.flux[c] = (float) ((double) l->flux[c] / even_of(suns, l));
+    return own;
 }
 
 /* Returns true when light l has glare of its own to add. */
@@ -261,8 +295,9 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
             add_cone(&suns->wide, l, f->data, around, list, &n);
             continue;
         }
+        const struct gp_light own = local_light(suns, l);
         GP_TRY(make_disc(log, l->radius, &d));
-        add_disc(&d, l, f->data, false, list, &n);
+        add_disc(&d, &own, f->data, false, list, &n);
         gp_free(d.weight);
     }
     GP_TRY(gp_sources_join(log, src, list, n, out));
@@ -419,10 +454,11 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
                 "a light of radius %g pixels is too large for glare of its own "
                 "at the frame's edge (the limit is %d); leave its flux out",
                 l->radius, SPRITE_RADIUS));
+        const struct gp_light own = local_light(suns, l);
         if (kernel->sky)
-            GP_TRY(draw_sky(log, suns, kernel, l, f));
+            GP_TRY(draw_sky(log, suns, kernel, &own, f));
         if (!kernel->sky || kernel->w > 1 || kernel->h > 1) // else in its pixel
-            GP_TRY(draw_sprite(log, suns, kernel, l, &s, f));
+            GP_TRY(draw_sprite(log, suns, kernel, &own, &s, f));
     }
 out:
     drop_sprite(&s.flare);

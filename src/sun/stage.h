@@ -99,6 +99,12 @@ GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
 /* Pixels of a turn where the frame is a sphere, else 0. */
 double gp_suns_around(const struct gp_suns *suns);
 
+/* Returns the pixels over which a light has its flux, at least one's: those of its disc
+ * *there, in its place; in a wide picture as many as its solid angle has in the middle,
+ * so that a light that turns with its sphere keeps its glare. */
+double gp_suns_pixels(const struct gp_suns *suns, const struct gp_light *l,
+                      double *there);
+
 /* Returns true when a light has flux; `seen`: and is not hidden. */
 bool gp_suns_have_light(const struct gp_suns *suns, bool seen);
 

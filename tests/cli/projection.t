@@ -111,6 +111,42 @@ is "$(field r.json '[o["lights"][0][k] for k in "xy"]')" '[50.0, 50.0]' \
     'x is a quarter of a turn to the left, as OpenEXR has it'
 run --projection fisheye --sun-dir 0,0,-1 --sun-color 1e4 --report r.json --layer a.exr wide.exr
 is "$(field r.json 'o["lights"][0].get("behind")')" True 'beyond the rim'
+# one that turns with its sphere, and in a fisheye
+frame black.exr kind=zeros size=256x128
+i=0
+for row in 'latlong 0,0,1' 'latlong 0,0.7071,0.7071' 'latlong 0,1,0' 'latlong -1,-3,-1' \
+    'fisheye 0,0,1' 'fisheye 1,0,0.3'; do
+    i=$((i + 1))
+    run --projection "${row% *}" --sun-dir "${row#* }" --sun-size 4 --sun-color 1e4 \
+        --layer $i.pfm black.exr
+done
+"$python" - 1 2 3 4 5 6 <<'END'
+import math, struct, sys
+def veil(name, fisheye, to):
+    with open(name + ".pfm", "rb") as f:
+        f.readline()
+        w, h = (int(n) for n in f.readline().split())
+        f.readline()
+        v = struct.unpack("<%df" % (3 * w * h), f.read())[1::3]
+    size, total, n = math.hypot(*to), 0, 0
+    for i, value in enumerate(v):
+        x, y = (i % w + 0.5 - w / 2) * math.pi / h, (i // w + 0.5 - h / 2) * math.pi / h
+        r = math.hypot(x, y)
+        if fisheye: # x right
+            d = (math.sin(r) * x / r, math.sin(r) * y / r, math.cos(r))
+        else: # x left
+            d = (-math.cos(y) * math.sin(x), math.sin(y), math.cos(y) * math.cos(x))
+        a = math.degrees(math.acos(sum(p * q for p, q in zip(d, to)) / size))
+        if abs(a - 20) < 1.5 and not (fisheye and r > math.pi / 2):
+            total += value * (a / 20) ** 3.3 # as it falls
+            n += 1
+    return total / n
+to = [(0, 0, 1), (0, .7071, .7071), (0, 1, 0), (-1, -3, -1), (0, 0, 1), (1, 0, .3)]
+v = [veil(name, i > 3, to[i]) for i, name in enumerate(sys.argv[1:])]
+print("# veil at 20 degrees:", v)
+sys.exit(not all(abs(x / v[i // 4 * 4] - 1) < 0.006 for i, x in enumerate(v)))
+END
+result $? 'a sun has the same glare wherever its sphere turns it'
 # a sun that leaves the frame: in it, on its border, beside it
 for x in 59 64 69; do
     run --fov 90 -k eye --edges black -t 1e6 --sun-outside visible --sun $x,32,3 \
