@@ -13,6 +13,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Returns the projection of a frame: the plan's, else its file's, else a camera's. */
@@ -122,8 +123,8 @@ struct gp_field gp_api_field(struct glarepp_frame *f,
     return field;
 }
 
-/* Says why true angles are not those of a frame of any but a plane; its layer has no
- * bound where its models would follow them. */
+/* Says, once a run, why true angles are not those of a frame of any but a plane; its
+ * layer has no bound where its models would follow them, unless splat is to draw it. */
 static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
                        const struct gp_kernel_request *r)
 {
@@ -140,19 +141,41 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
         [GP_EQUISOLID] = FISHEYES,
     };
     const struct gp_recipe *const recipe = f->kernel->recipe;
+    const bool splat = field->projection.kind == GP_PLANE;
+    const bool wide = splat ? f->p.projection == GLAREPP_LATLONG
+                            : field->projection.kind != GP_PERSPECTIVE;
     struct gp_angular as;
     bool angular = false;
     for (int i = 0; i < r->recipes; i++)
         angular |= recipe[i].model->angular &&
                    recipe[i].model->angular(&recipe[i], field, &as);
     f->facts.kernel.projection = "plane";
-    f->flat = angular;
-    if (angular || field->projection.kind != GP_PERSPECTIVE)
+    f->flat = angular && !splat;
+    if ((angular || wide) && gp_api_says(&f->plan->names->said, GP_SAID_PLANE))
+        gp_say_at(&f->log, GP_LEVEL_WARN, splat ? "plan.projection" : "",
+                  "%s: its glare is that of a plane of %g degrees: %s",
+                  f->sink.name, f->facts.kernel.fov,
+                  splat     ? "splat has one shape everywhere"
+                  : angular ? LIMITS[field->projection.kind]
+                            : "true angles are for models of the angle alone");
+}
+
+/* Warns, once a run, of attributes that are not taken for what they say. */
+static void warn_of_attributes(const struct glarepp_frame *f)
+{
+    const int w = gp_rect_w(f->image.display), h = gp_rect_h(f->image.display);
+    const int kind = projection_of(f);
+    const char *const fault =
+        kind <= GLAREPP_PERSPECTIVE ? gp_api_camera_fault(f) : NULL;
+    if (kind == GLAREPP_LATLONG && abs(w - 2 * h) > 2 &&
+        gp_api_says(&f->plan->names->said, GP_SAID_SPHERE))
         gp_say(&f->log, GP_LEVEL_WARN,
-               "%s: its glare is that of a plane of %g degrees: %s",
-               f->sink.name, f->facts.kernel.fov,
-               angular ? LIMITS[field->projection.kind]
-                       : "true angles are for models of the angle alone");
+               "%s: taken as the whole sphere, which is twice as wide as high "
+               "(found %dx%d)",
+               f->sink.name, w, h);
+    if (fault && gp_api_says(&f->plan->names->said, GP_SAID_MATRIX))
+        gp_say_at(&f->log, GP_LEVEL_WARN, "frame.to_ndc",
+                  "%s: its worldToNDC %s", f->sink.name, fault);
 }
 
 /* Widens the field so that lights outside of the frame light all of it, up to
@@ -505,14 +528,10 @@ gp_status gp_api_make_kernel(struct glarepp_frame *f)
     facts->grid = k->far ? k->far->split.step : 0;
     facts->left_out = fmax(k->sky ? left_out_of(f, k) : k->left_out, 0.0);
     f->flat = false;
-    if (!k->sky && field.projection.kind != GP_PLANE)
+    if (!k->sky && (field.projection.kind != GP_PLANE ||
+                    f->plan->projection == GLAREPP_OF_FRAME))
         note_plane(f, &field, r);
-    else if (f->p.projection == GLAREPP_LATLONG &&
-             strcmp(f->plan->glare.engine, "splat") == 0)
-        gp_say(&f->log, GP_LEVEL_WARN,
-               "%s: a lat-long, drawn as a plane of %g degrees: splat has one "
-               "shape everywhere",
-               f->sink.name, facts->fov);
+    warn_of_attributes(f);
     facts->missed = use.missed;
     memcpy(facts->faint, k->faint, sizeof facts->faint);
     for (int i = 0; i < r->recipes; i++) {

@@ -169,19 +169,37 @@ const struct glarepp_facts *glarepp_frame_facts(const struct glarepp_frame *f)
  * is wrong, which is said where a light needs it. */
 static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
 {
-    const struct glarepp_plan *const plan = f->plan;
-    const enum gp_ndc ndc =
-        (enum gp_ndc)(plan->sun.ndc ? plan->sun.ndc : f->p.ndc);
+    const struct gp_suns *const suns =
+        f->work->lights ? &f->work->lights->suns : NULL;
     struct glarepp_frame_params about = f->p;
     bool found = false;
-    about.has_camera = false;
-    if (f->work->lights)
-        return !f->work->lights->suns.wide.kind &&
-               !gp_suns_camera(NULL, &f->work->lights->suns, &about, &f->image,
-                               out, &found) &&
-               found;
-    return f->p.has_ndc &&
-           !gp_camera_make(NULL, NULL, NULL, f->p.to_ndc, ndc, out);
+    if (f->plan->sun.ndc)
+        about.ndc = f->plan->sun.ndc;
+    // worldToCamera may tell the range, and be wrong
+    for (int i = 0; i < 2 && !found; i++, about.has_camera = false) {
+        if (!suns)
+            found = about.has_ndc &&
+                    !gp_camera_make(NULL, NULL,
+                                    about.has_camera ? about.to_camera : NULL,
+                                    about.to_ndc, (enum gp_ndc) about.ndc, out);
+        else if (suns->wide.kind ||
+                 gp_suns_camera(NULL, suns, &about, &f->image, out, &found))
+            found = false;
+    }
+    return found;
+}
+
+const char *gp_api_camera_fault(const struct glarepp_frame *f)
+{
+    struct gp_camera c;
+    if (!f->p.has_ndc || f->plan->fov > 0.0 || f->plan->sun.cameras)
+        return NULL;
+    if (!find_camera(f, &c))
+        return "is of no perspective camera: its angles are not taken";
+    return c.has_camera && gp_v3_dot(gp_column(c.to_ndc, 1),
+                                     gp_column(c.to_camera, 1)) > 0.0
+               ? "has y up, as of -1 to 1, and is taken as 0 to 1 with y down"
+               : NULL;
 }
 
 double gp_api_camera_fov(const struct glarepp_frame *f)

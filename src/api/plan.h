@@ -73,6 +73,9 @@ enum {
     GP_SAID_BRIGHT = 32 << GP_KERNEL_RULES,
     GP_SAID_WIDE = 64 << GP_KERNEL_RULES,
     GP_SAID_SHARE = 128 << GP_KERNEL_RULES,
+    GP_SAID_PLANE = 256 << GP_KERNEL_RULES,
+    GP_SAID_SPHERE = 512 << GP_KERNEL_RULES,
+    GP_SAID_MATRIX = 1024 << GP_KERNEL_RULES,
 };
 
 /* A kernel of a plan. */
@@ -257,6 +260,10 @@ gp_api_taken(const struct glarepp_frame *f)
 /* The vertical angle of view by the plan or the frame's or scene's camera; 0:
  * by none. */
 double gp_api_camera_fov(const struct glarepp_frame *f);
+
+/* What is wrong with the frame's matrices, where they give the angle of view; NULL:
+ * nothing. */
+const char *gp_api_camera_fault(const struct glarepp_frame *f);
 
 /* Finds the projection of that camera; false: the angle of view is not a camera's. */
 bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);

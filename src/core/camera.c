@@ -131,21 +131,14 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
                           "%s: worldToNDC is singular (its columns x, y and w "
                           "are linearly dependent); repair the header", path);
 
-    if (ndc == GP_NDC_AUTO) { // by the image of the view axis
-        static const double reach = 0.2, most = 0.5;
-        const double x = gp_v3_dot(axis, x_column),
-                     y = gp_v3_dot(axis, y_column);
-        const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
-        const double clip = fmax(fabs(x), fabs(y));
-        // a shift of a half of the picture, where the other is farther by far
-        const double near = fmin(spec, clip), far = fmax(spec, clip);
-        if (!(near <= reach || (near <= most && 2.0 * near < far)))
-            GP_TRY(gp_fail_at(
-                log, GP_ERR_DATA, "lights.ndc",
-                "%s: worldToNDC follows neither convention (it maps the view "
-                "axis to %.3g, %.3g: neither near 0.5, 0.5 nor near 0, 0)",
-                path, x, y));
-        ndc = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
+    // by the image of the view axis, and which way y goes
+    if (ndc == GP_NDC_AUTO) {
+        const double x = fabs(gp_v3_dot(axis, x_column)),
+                     y = fabs(gp_v3_dot(axis, y_column));
+        const bool down =
+            to_camera && gp_v3_dot(y_column, gp_column(to_camera, 1)) < 0.0;
+        ndc = !down && fmin(x, y) < 0.02 && fmax(x, y) < 0.48 ? GP_NDC_CLIP
+                                                              : GP_NDC_SPEC;
     }
     // [-1, 1] with y up to [0, 1] with y down, before the division by w
     for (int row = 0; ndc == GP_NDC_CLIP && row < 16; row += 4) {

@@ -25,7 +25,7 @@ void gp_matrix_mul(const double a[16], const double b[16], double out[16]);
 
 /* Range that a worldToNDC matrix maps the picture to. */
 enum gp_ndc {
-    GP_NDC_AUTO, // found by the image of the view axis
+    GP_NDC_AUTO, // found by the image of the view axis, and which way y goes
     GP_NDC_SPEC, // [0, 1], y down (ImfStandardAttributes.h)
     GP_NDC_CLIP, // [-1, 1], y up (Arnold, Gaffer; worldToScreen)
 };
@@ -44,14 +44,15 @@ struct gp_camera {
 /* A camera from a frame's matrices. The view axis v is the direction in which
  * w grows fastest, the upper three of column 3; its image is the middle of the
  * picture, (1/2, 1/2) or (0, 0), give or take a lens shift. GP_NDC_AUTO takes
- * the nearer of the two when it is within 0.2 of it in both axes, or within 0.5 and
- * the other twice as far.
+ * [0, 1], as the attribute is specified, but where the image is at 0 in one direction,
+ * to 0.02, and within 0.48 of it in the other, and y is not known to go down: as it does
+ * where it falls along the y of to_camera, which is up.
  *   to_camera  may be NULL
  *   path       for the message
  *   out        written on GP_OK only
  * Errors: GP_ERR_DATA a matrix with NaN or Inf; to_ndc that is no projection
  * (column 3 has no axis, as of an orthographic camera; singular; entries over
- * 1e30 times the axis); a singular to_camera; GP_NDC_AUTO near neither. */
+ * 1e30 times the axis); a singular to_camera. */
 GP_MUST_CHECK gp_status gp_camera_make(
     const struct gp_log *log, const char *path, const double *to_camera,
     const double to_ndc[16], enum gp_ndc ndc, struct gp_camera *out);

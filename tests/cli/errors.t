@@ -608,7 +608,7 @@ without_gl() {
 sun='--sun 3,3,2 --sun-color 9,9,9 -o there/a.png in.exr'
 without_gl '' sets one.gltf
 without_gl ', or use --sun-method exact' --sun-method readback $sun
-without_gl ', or use --engine fft' --engine splat -o there/a.png in.exr
+without_gl ', or use --engine fft' --engine splat --projection plane -o there/a.png in.exr
 without_gl ', or use --engine fft and --sun-method exact, which need none' \
     --engine splat --sun-method mask $sun
 

@@ -52,12 +52,50 @@ like "$(cat err)" '*--projection plane*' 'and says what to do'
 is "$(ls no.exr 2>/dev/null)" '' 'nothing is written'
 run --projection perspective --style star --layer l.exr --report r.json wide.exr
 quiet_success 'a model with rays beside others'
+run -e splat -k eye --layer a.exr --report r.json wide.exr
+if [ "$status" -eq 5 ]; then
+    skip 3 'no GL: what splat draws'
+else
+    like "$status $(grep -c . err) $(cat err) $(field r.json 'o["projection"]')" \
+        '0 1 *warning: wide.exr: its glare is that of a plane*--projection plane plane' \
+        'splat says that it draws a plane'
+    run -e splat -k eye --projection plane --layer b.exr wide.exr
+    quiet_success 'which it was asked for'
+    ok 'and draws as without' "$glarepp" compare --fail 0 --no-flip a.exr b.exr
+fi
 run --projection plane --save-settings s.txt --layer a.exr wide.exr
 run --settings s.txt --layer b.exr wide.exr
 same a.exr b.exr 'settings keep the projection'
 run --layer a.exr wide.exr
 run --threads 1 --layer b.exr wide.exr
 same a.exr b.exr 'the same bytes by one thread'
+# -- matrices ----------------------------------------------------------------------
+
+# 90 degrees along +z; the axis at .25, .5, and for a matrix of -1 to 1 at 0, .2
+for row in 'shift 0.5,0,0,0,0,-0.5,0,0,0.25,0.5,1,1,0,0,-1,0' \
+    'corner 0.5,0,0,0,0,-0.5,0,0,0.15,0.15,1,1,0,0,-1,0' \
+    'clip 1,0,0,0,0,1,0,0,0,0.2,1,1,0,0,-1,0'; do
+    frame "${row% *}.exr" seed=3 "attr=worldToNDC:m44f:${row#* }"
+    run --layer l.exr --report r.json "${row% *}.exr"
+    quiet_success "${row% *}: a camera"
+    is "$(field r.json 'o["fov_from"], round(o["deg_per_pixel"] * o["height"], 3)')" \
+        "('camera', 114.592)" "${row% *}: 2 tan 45 degrees high"
+done
+frame flat.1.exr seed=3 attr=worldToNDC:m44f:0.5,0,0,0,0,-0.5,0,0,0,0,1,0,0.5,0.5,0,1
+cp flat.1.exr flat.2.exr
+run --layer l.#.exr --report r.json 'flat.#.exr'
+like "$status $(grep -c . err) $(cat err) $("$python" -c 'import json
+print({json.loads(l)["fov_from"] for l in open("r.json")})')" \
+    "0 1 *warning: *flat.1.exr: *worldToNDC*no perspective*--fov* {'default'}" \
+    'a matrix that is of no camera, once'
+frame up.exr seed=3 attr=worldToNDC:m44f:0.5,0,0,0,0,0.5,0,0,0.15,0.15,1,1,0,0,-1,0 \
+    attr=worldToCamera:m44f:1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1
+run --layer l.exr --report r.json up.exr
+like "$status $(cat err) $(field r.json 'round(o["deg_per_pixel"] * o["height"], 3)')" \
+    '0 *warning: *up.exr: *y up*--camera FILE 114.592' 'one against the specification'
+run --layer l.exr --fov 40 flat.1.exr
+quiet_success 'and is not looked at where an angle is given'
+
 # -- spheres and fisheyes ------------------------------------------------------------
 
 frame sphere.exr seed=3 size=200x100 attr=envmap:envmap:0
