@@ -186,6 +186,9 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     p.parts = r->s->output.parts.n > 0;
     p.parts_of_groups = fs->groups > 0;
     gp_frame_params_eye(fs->own ? &fs->own->s.run : &r->s->run, &p);
+    fs->sphere = (r->s->plan.projection == GLAREPP_OF_FRAME
+                      ? p.projection
+                      : r->s->plan.projection) == GLAREPP_LATLONG;
     p.noise = writes_floats(r, fs) ? 2e-5f : p.noise;
     p.user = (void *) (uintptr_t) fs->log;
     st = (gp_status) glarepp_frame(fs->plan, &p, &fs->frame);

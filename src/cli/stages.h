@@ -45,6 +45,7 @@ struct gp_frame_state {
     struct gp_stored_image deep;
     char *deep_name; // its file, if that is not the frame's; owned
     struct glarepp_frame *frame;   // borrows the planes of all of these
+    bool sphere;                   // a lat-long, by its file or --projection
     bool converted;                // its layers are in --output-space
     struct glarepp_plan *plan;     // of its numbers; borrowed
     struct gp_own_plan *own;       // of a run with keys, else NULL; the caller
@@ -73,7 +74,7 @@ void gp_frame_state_end(struct gp_frame_state *fs);
 void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead);
 
 /* Data that is made once for all frames. The write stage changes only `raw`,
- * and only when `ordered`. */
+ * and only when `ordered`, and those that compute `warned_axis`. */
 struct gp_run {
     const struct gp_settings *s; // numbers with keys are in a frame's own
     const struct gp_jobs *jobs;
@@ -86,6 +87,7 @@ struct gp_run {
                                    // is a stream
     bool layer_ends;               // no stage after compose reads the layer
     bool details;                  // of facts are wanted
+    bool warned_axis;              // that a style is without its flare or lens
     struct gp_raw_size raw;        // of raw frames on stdout
 };
 

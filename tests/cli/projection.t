@@ -129,6 +129,22 @@ run --flare preset:zoom --lights auto -o no.png sphere.exr
 like "$status $(cat err)" '2 *sphere.exr: a lat-long frame has no axis*--flare*' \
     'and so is a flare on a sphere'
 is "$(ls no.png 2>/dev/null)" '' 'nothing is written'
+run -e splat --projection latlong -o no.png sphere.exr
+is "$status $(grep -c . err)" '2 1' 'nor does splat draw it, in one line'
+for row in 'anamorphic flare' 'vintage lens'; do
+    run --style "${row% *}" -k eye -o styled.png sphere.exr
+    like "$status $(grep -c . err) $(cat err)" \
+        "0 1 *warning: sphere.exr: *style ${row% *} is without its ${row#* }" \
+        "a style's own ${row#* } is left out"
+done
+run styles -o sheet.png sphere.exr
+is "$status" 0 'all styles of a sphere'
+run --style vintage --lens tessar -o no.exr sphere.exr
+is "$status" 2 'a lens that is given is not'
+frame wrong.exr seed=3 size=200x120 attr=envmap:envmap:0
+run --layer l.exr wrong.exr
+like "$status $(cat err)" '0 *warning: wrong.exr: *twice as wide as high*200x120*' \
+    'a sphere of a wrong size'
 run --fov 200 --layer no.exr in.exr
 like "$status $(cat err)" '2 *fov: 200 degrees*--projection fisheye*' \
     'a perspective ends before 180 degrees'
