@@ -161,7 +161,8 @@ static void print_whole(const struct gp_bench_whole *w)
         (isnan(w->read_ms) ? 0.0 : w->read_ms) + w->glare_ms + w->tone_ms;
     printf("  whole run: read");
     print_cell(0, "%.2f", w->read_ms);
-    printf(", glare %.2f, compose and tone map %.2f ms, then one of\n"
+    printf(", glare %.2f, compose and tone map %.2f ms, then one of these\n"
+           "  (EXR, lossy EXR and PNG have a front each)\n"
            "  %-26s %9s  %8s %8s %9s %10s\n",
            w->glare_ms, w->tone_ms, "written to $TMPDIR", "ms", "min", "max",
            "kbytes", "whole ms");
@@ -246,17 +247,15 @@ static void print_table(const struct gp_bench_table *t)
         if (gl)
             printf("  splat ran on %s\n", gp_printable(gl).text);
         if (f->angles)
-            printf("  direct, fft and splat draw a plane: their errors have "
-                   "that in them\n");
+            printf("  direct, fft, splat: a plane's error is in theirs\n");
         print_choices(f);
         if (f->whole.outputs)
             print_whole(&f->whole);
         putchar('\n');
     }
     printf(
-        "> on the Pareto front: no other row is nearer and its median faster "
-        "than the fastest run here\n"
-        "  (files: smaller; EXR, lossy EXR and PNG have a front each)\n"
+        "> on the Pareto front: no other row is nearer (of a format: smaller) "
+        "and its median faster than the fastest run here\n"
         "* a whole run takes over 6 s: extrapolated from parts of "
         "the sources, a tenth (or hundredth) and a tenth of that\n"
         "first: the first run, which makes plans, spectra and contexts "
