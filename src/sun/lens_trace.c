@@ -461,8 +461,19 @@ static bool passes(const struct gp_lens_hit *h)
     return h->through >= 0.0f && h->rim < 1.0f && stop < 1.0f;
 }
 
+/* Returns the largest distance from the axis, on the plane of the front's vertex,
+ * of light of slope u that passes its rim: to one behind the plane it still goes
+ * towards the axis. */
+static double front_of(const struct gp_lens_surface *s, double u)
+{
+    const double c = fabs(s->curvature), flat = c * s->semi;
+    return s->semi +
+           u * flat * s->semi / (1.0 + sqrt(fmax(1.0 - flat * flat, 0.0)));
+}
+
 /* Fits a mesh to the rays that pass, and one cell more on each side; the front
- * ends it. Returns false where the mesh ended before the light did. */
+ * ends it. Returns false where the mesh ended before the light did; no `cells`:
+ * none passes. */
 static bool fit(const struct gp_lens_hit *hit, double front,
                 struct gp_lens_mesh *m)
 {
@@ -479,8 +490,10 @@ static bool fit(const struct gp_lens_hit *hit, double front,
             y1 = j;
         }
     }
-    if (x1 < 0) // between the rays, if at all
+    if (x1 < 0) { // between the rays, if at all
+        m->cells = 0;
         return true;
+    }
     const bool whole = x0 > 0 && x1 < w - 1 && y1 < h - 1;
     m->x0 = fmax(left + dx * (x0 > 0 ? x0 - 1 : -w / 4), -1.05 * front);
     m->x1 = fmin(left + dx * (x1 < w - 1 ? x1 + 1 : w + w / 4), 1.05 * front);
@@ -509,6 +522,24 @@ static void place_mesh(const struct gp_lens *lens,
         m->x1 = fmin(m->x1, middle + radius);
         m->y1 = fmin(m->y1, radius);
     }
+}
+
+/* Widens a mesh by the rays that pass anywhere on the front: strong aberration has
+ * light far from where first order has it, or where that has none. */
+static void widen_mesh(const struct gp_lens_optics *o,
+                       const struct gp_lens_path *path, double u, double front,
+                       struct gp_lens_hit *hit, struct gp_lens_mesh *m)
+{
+    struct gp_lens_mesh all = {
+        .cells = 16, .x0 = -front, .x1 = front, .y1 = front};
+    const bool empty = !(m->x0 < m->x1);
+    trace_rays(o, path, u, &all, NULL, hit);
+    fit(hit, front, &all);
+    if (!all.cells)
+        return;
+    m->x0 = empty ? all.x0 : fmin(m->x0, all.x0);
+    m->x1 = empty ? all.x1 : fmax(m->x1, all.x1);
+    m->y1 = empty ? all.y1 : fmax(m->y1, all.y1);
 }
 
 /* Returns the largest distance, in mm on the sensor, of a ray that passes from
@@ -553,19 +584,21 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
     const bool coarse_will_do = !(tolerance < 1e-3);
     const int most = coarse_will_do ? GP_LENS_CELLS / 4 : GP_LENS_CELLS;
     const double cosine = 1.0 / sqrt(1.0 + u * u);
+    const double front = front_of(&lens->at[0], u);
     struct gp_lens_mesh m = {.cells = COARSE};
     struct gp_lens_hit *hit = NULL;
     bool whole = false, enough = false;
     gp_status st;
     *out = (struct gp_lens_mesh) {0};
     place_mesh(lens, path, optics[MIDDLE].nm, u, &m);
-    if (!(m.x0 < m.x1))
-        return GP_OK;
     GP_TRY(gp_alloc(log, "rays of a lens", rays_in(most), sizeof *hit, &hit));
+    widen_mesh(&optics[MIDDLE], path, u, front, hit, &m);
+    if (!(m.x0 < m.x1))
+        goto out;
     // aberrations reach beyond first order, or stay within
     for (int i = 0; i < FITS && !whole; i++) {
         trace_rays(&optics[MIDDLE], path, u, &m, NULL, hit);
-        whole = fit(hit, lens->at[0].semi, &m);
+        whole = fit(hit, front, &m);
     }
     for (m.cells = FIRST / 2; !enough;) {
         m.cells *= 2;

@@ -14,11 +14,13 @@ import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 W, H = 96, 64
+PLACES = [("middle", 50.5, 33.1), ("side", 0.75 * W - 3, 0.5 * H + 5), ("corner", 88.3, 6.2)]
 NM = [380 + 400 * (i + 0.5) / 26 for i in range(26)]
 
 
 # primaries: chromaticities, of XYZ, weights of luminance; SMPTE ST 2065-1 has no colour with
-# a channel under 0, which a pixel of the other would have to be folded to
+# a channel under 0, which a pixel of the other would have to be folded to, as those of the
+# wide rainbows that lamps in the corner make are
 BT709 = ((0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329),
          ((3.2409699419, -1.5373831776, -0.4986107603),
           (-0.9692436363, 1.8759675015, 0.0415550574),
@@ -165,16 +167,15 @@ def alone(lens, pair):
     return {**lens, "surfaces": surfaces, "coatings": [*lens.get("coatings", []), none]}
 
 
-def measure(glarepp, tracer, primaries, lens):
-    """Relative errors, worst channel and luminance, of the ghosts in the frame, of all their
-    light, and of that of each ghost which has over 1 % of it."""
+def measure(glarepp, tracer, primaries, lens, x, y, singly):
+    """Relative errors, worst channel and luminance, of the ghosts of a lamp at a pixel in the
+    frame, of all their light, and, singly, of that of each ghost which has over 1 % of it."""
     focal = first_order(lens)[0]
     # a sensor about as large as the lens's format, of which 84 mm is the largest; the light
     # is in the frame: nothing says that one beside it is seen
     width = min(84.0, 0.6 * focal)
     mm = width / W
     axis = (width / 2, H * mm / 2)
-    x, y = 0.75 * W - 3, 0.5 * H + 5
     dx, dy = x * mm - axis[0], y * mm - axis[1]
     words = (math.hypot(dx, dy), math.atan2(dy, dx), (width, H * mm), axis)
     ghosts = traced(tracer, primaries, numbers(lens, *words))
@@ -182,7 +183,7 @@ def measure(glarepp, tracer, primaries, lens):
     got = drawn(glarepp, primaries, lens, x, y, width)
     rows = [apart(primaries, *v) for v in zip(got, want)]
     for pair, ghost in ghosts.items():
-        if luminance(primaries, ghost[1]) > 0.01 * luminance(primaries, want[1]):
+        if singly and luminance(primaries, ghost[1]) > 0.01 * luminance(primaries, want[1]):
             single = alone(lens, pair)
             truth = traced(tracer, primaries, numbers(single, *words), *pair)[pair]
             found = drawn(glarepp, primaries, single, x, y, width)
@@ -206,14 +207,18 @@ def bars(glarepp):
                             HERE + "/trace.c", "-o", tracer, "-lm"], check=True)
             for name in os.environ.get("GLAREPP_LENSES", "").split(",") \
                     if os.environ.get("GLAREPP_LENSES") else lenses:
-                primaries = AP0 if "coatings" in lenses[name] else BT709
-                frame, light, *each = measure(glarepp, tracer, primaries, lenses[name])
-                yield "2.1 %s: ghosts in the frame, worst channel" % name, frame[0], 0.03
-                yield "2.1 %s: in and beside it, worst channel" % name, light[0], 0.03
-                yield "2.1 %s: each of %d over 1 %% of this, worst channel" % \
-                    (name, len(each)), max(e[0] for e in each), 0.03
-                yield "2.1 %s: luminance" % name, max(frame[1], light[1]), 0.015
-                if name == "tessar":
-                    yield "2.1 tessar: flux", light[1], 0.005
+                for where, x, y in PLACES:
+                    wide = where == "corner" or "coatings" in lenses[name]
+                    frame, light, *each = measure(glarepp, tracer, AP0 if wide else BT709,
+                                                  lenses[name], x, y, where != "middle")
+                    text = "2.1 %s, %s: " % (name, where)
+                    yield text + "ghosts in the frame, worst channel", frame[0], 0.03
+                    yield text + "in and beside it, worst channel", light[0], 0.03
+                    if each:
+                        yield text + "each of %d over 1 %% of this, worst channel" % len(each), \
+                            max(e[0] for e in each), 0.03
+                    yield text + "luminance", max(frame[1], light[1]), 0.015
+                    if name == "tessar":
+                        yield text + "flux", light[1], 0.005
         finally:
             os.chdir(back)

@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST = 64, PARTS = 26, COARSE = 32, FINE = 72, STEPS = 4096 };
+enum { MOST = 64, PARTS = 26, COARSE = 64, FINE = 72, STEPS = 4096 };
 #define DEGREE (3.14159265358979323846 / 180.0)
 
 static int n, stop, blades, tables;
