@@ -249,12 +249,11 @@ static double left_out_of(const struct glarepp_frame *f,
     return all > 0.0 ? sum / all : k->left_out;
 }
 
-/* Lists lights in the frame that add glare of their own. */
+/* Lists lights that add glare of their own, in the frame or beside it. */
 static int veil_lamps(const struct glarepp_frame *f,
                       struct gp_veil_lamp lamp[GP_LIGHTS_MAX])
 {
     const struct gp_api_lights *const lights = f->work ? f->work->lights : NULL;
-    const struct gp_rect *const data = &f->image.data;
     int n = 0;
     if (!lights || !(f->ran & 1u << GLAREPP_SHARES) || f->plan->sun.in_frame)
         return 0;
@@ -262,13 +261,14 @@ static int veil_lamps(const struct glarepp_frame *f,
         const struct gp_light *const l = &lights->suns.light[i];
         double there;
         const double pixels = gp_suns_pixels(&lights->suns, l, &there);
-        if (!gp_light_has_flux(l) || l->found || !(l->x >= data->x0) ||
-            !(l->x < data->x1) || !(l->y >= data->y0) || !(l->y < data->y1))
+        const double radius = sqrt(there / M_PI), wide = gp_light_stretch(l);
+        if (!gp_light_has_flux(l) || l->found)
             continue;
         const double flux = (double) gp_lit_luminance(
             f->image.luminance, l->flux[0], l->flux[1], l->flux[2]);
-        lamp[n++] = (struct gp_veil_lamp) {
-            {l->x, l->y}, l->visibility * flux / pixels, there};
+        lamp[n++] = (struct gp_veil_lamp) {{l->x, l->y},
+                                           {radius * wide, radius / wide},
+                                           l->visibility * flux / pixels};
     }
     return n;
 }

@@ -31,6 +31,7 @@ struct pass {
     const struct gp_image *f;
     struct gp_rect window; // whose pixels show each direction once
     struct gp_v3 axis;
+    double wide;      // degrees of a pixel
     struct sums *row; // of each of the window's
 };
 
@@ -91,16 +92,54 @@ static struct sums look_at(const struct pass *s, double x, double y,
     return one;
 }
 
-static struct sums look_at_pixel(const struct pass *s, int x, int y)
+/* Returns how many parts a side what is `wide` degrees, and seen whole in `one`, has: one
+ * where it is far from the place that the eye looks at, over its size. */
+static int parts_of(const struct sums *one, double wide)
 {
-    return look_at(s, x + 0.5, y + 0.5, luminance_at(s, x, y), 1.0);
+    const double MOST = 256.0, FINE = 0.05; // of the angle
+    if (!(one->solid > 0.0))                // behind the eye
+        return 1;
+    const double t =
+        gp_acos(fmin(one->seen / one->solid, 1.0)) * (180.0 / M_PI);
+    return t >= fmax(4.0 * wide, FIXATED + wide)
+               ? 1
+               : (int) fmin(ceil(wide / (FINE * fmax(t - wide, FIXATED))),
+                            MOST);
 }
 
+static struct sums look_at_pixel(const struct pass *s, int x, int y)
+{
+    const double light = luminance_at(s, x, y);
+    const struct sums whole = look_at(s, x + 0.5, y + 0.5, light, 1.0);
+    const int n = parts_of(&whole, s->wide);
+    struct sums sum = {0};
+    for (int k = 0; k < n * n && n > 1; k++) {
+        const struct sums part =
+            look_at(s, x + (k % n + 0.5) / n, y + (k / n + 0.5) / n, light,
+                    1.0 / (n * n));
+        add(&sum, &part);
+    }
+    return n > 1 ? sum : whole;
+}
+
+/* Spreads a lamp over its disc, by the golden angle. */
 static struct sums look_at_lamp(const struct pass *s, int i)
 {
     const struct gp_veil_lamp *const l = &s->p->lamp[i];
-    return look_at(s, l->at[0], l->at[1], s->p->white * l->luminance,
-                   l->pixels);
+    const double light = s->p->white * l->luminance;
+    const double pixels = M_PI * l->half[0] * l->half[1];
+    const struct sums whole = look_at(s, l->at[0], l->at[1], light, pixels);
+    const int n =
+        parts_of(&whole, 2.0 * fmax(l->half[0], l->half[1]) * s->wide);
+    struct sums sum = {0};
+    for (int k = 0; k < n * n && n > 1; k++) {
+        const double r = sqrt((k + 0.5) / (n * n)), turn = k * 2.399963;
+        const struct sums part = look_at(
+            s, l->at[0] + r * l->half[0] * gp_cos(turn),
+            l->at[1] + r * l->half[1] * gp_sin(turn), light, pixels / (n * n));
+        add(&sum, &part);
+    }
+    return n > 1 ? sum : whole;
 }
 
 static void sum_row(void *ctx, int i, int thread)
@@ -253,6 +292,7 @@ gp_status gp_veil_measure(const struct gp_log *log,
         .f = f,
         .window = sphere ? gp_rect_meet(f->data, f->display) : f->data,
         .axis = gp_projection_direction(&p->projection, p->at[0], p->at[1]),
+        .wide = fmax(p->projection.dx, p->projection.dy) * (180.0 / M_PI),
     };
     const int rows = gp_rect_h(s.window);
     struct sums all = {0}, source = {0}, *cell = NULL;

@@ -21,7 +21,9 @@
  *   DGP  = 5.87e-5 E + 0.0918 log10(1 + sum L^2 W / (E^1.87 P^2)) + 0.16, at most 1:
  *          Wienold and Christoffersen 2006, eq. 7; for E over 380 lux
  *
- * Light beside the picture is not in any of them. */
+ * Lights of flux beside the picture count in all of them, as those in it: each is of
+ * what the eye meets. Other light beside it is in none. A pixel or lamp near the place
+ * that the eye looks at, over its size, counts in parts of a twentieth of its angle. */
 #ifndef GP_GLARE_VEIL_H
 #define GP_GLARE_VEIL_H
 
@@ -32,8 +34,8 @@
 /* A light that no pixel has. */
 struct gp_veil_lamp {
     double at[2];     // its middle, EXR pixel space
-    double luminance; // of scene value 1, over
-    double pixels;    // ... so many
+    double half[2];   // its disc's width and height, pixels, > 0
+    double luminance; // of scene value 1, all over it
 };
 
 struct gp_veil_params {

@@ -17,15 +17,15 @@ import tempfile
 SIZE = 401
 
 
-def write(path, light):
-    """A grey PFM of SIZE x SIZE; `light` is (x, y) -> luminance, y down."""
+def write(path, light, w=SIZE, h=SIZE):
+    """A grey PFM; `light` is (x, y) -> luminance, y down."""
     rows = array.array("f")
-    for y in reversed(range(SIZE)):
-        for x in range(SIZE):
+    for y in reversed(range(h)):
+        for x in range(w):
             v = light(x, y)
             rows.extend((v, v, v))
     with open(path, "wb") as f:
-        f.write(b"PF\n%d %d\n-1.0\n" % (SIZE, SIZE))
+        f.write(b"PF\n%d %d\n-1.0\n" % (w, h))
         f.write(rows.tobytes())
 
 
@@ -64,6 +64,50 @@ def points(glarepp):
                 worst["veil"] = max(worst["veil"], abs(v["luminance"] / truth - 1),
                                     abs(v["luminance_of_sources"] / truth - 1))
                 worst["lux"] = max(worst["lux"], abs(v["illuminance"] / lux - 1))
+    return worst
+
+
+def spheres(glarepp):
+    """Worst relative error of L_v and of the fixated degree of even lat-longs."""
+    n, worst = 20000, 0
+    step = 89.5 / n
+    truth = sum(general(t, 35, 0.5) * math.sin(2 * math.radians(t)) * math.pi
+                for t in (0.5 + (i + 0.5) * step for i in range(n))) * math.radians(step)
+    for w in (64, 128, 256, 512, 1024):
+        write("even.pfm", lambda x, y: 1, w, w // 2)
+        for at in (w / 2, w / 4), (0.31 * w, 0.23 * w):
+            v = measure(glarepp, "even.pfm", "--projection", "latlong", "--luminance-scale", "100",
+                        "--fixation", "%.9g,%.9g" % at, "-k", "cie:age=35")
+            worst = max(worst, abs(v["luminance"] / truth / 100 - 1), abs(v["fixated"] / 100 - 1))
+    return worst
+
+
+def discs(glarepp):
+    """Worst relative error of L_v and of E of lamps by flux, in the picture and beside it."""
+    k, side, flux, worst = math.tan(math.radians(30)) / (SIZE / 2), 300, 1e6, 0
+    write("none.pfm", lambda x, y: 0)
+    aim = (-100 * k, 0, 1)
+    for x, radius in ((100, 40), (-50, 40), (199, 0.5), (-0.3 - SIZE / 2, 0.5), (-260, 30),
+                      (-20000, 0.5)):
+        lux = veil = points = 0
+        for i in range(side * side):
+            a, b = (2 * (i % side) + 1) / side - 1, (2 * (i // side) + 1) / side - 1
+            if a * a + b * b > 1:
+                continue
+            d = ((x + radius * a) * k, radius * b * k, 1)
+            far = math.hypot(*d)
+            cosine = sum(p * q for p, q in zip(d, aim)) / far / math.hypot(*aim)
+            points += 1
+            if cosine > 0:
+                e = flux * k * k / far ** 3 * cosine
+                lux += e
+                veil += e * general(math.degrees(math.acos(cosine)), 35, 0.5)
+        v = measure(glarepp, "none.pfm", "--projection", "perspective", "--fov", "60",
+                    "--luminance-scale", "1", "--sun=%g,%g,%g" % (x + SIZE / 2, SIZE / 2, radius),
+                    "--sun-color", str(flux), "--sun-outside", "visible", "-k", "cie:age=35",
+                    "--fixation", "%g,%g" % (SIZE / 2 - 100, SIZE / 2))
+        worst = max(worst, abs(v["luminance"] * points / veil - 1),
+                    abs(v["illuminance"] * points / lux - 1))
     return worst
 
 
@@ -169,13 +213,15 @@ def bars(glarepp):
         os.chdir(folder)
         try:
             p, ti, r = points(glarepp), increment(glarepp), rooms(glarepp)
-            cie = curve(glarepp)
+            cie, even, disc = curve(glarepp), spheres(glarepp), discs(glarepp)
         finally:
             os.chdir(back)
     return [
         ("2.2 glare of `cie` over CIE 135/1, 1 to 30 degrees, ages 20 to 85", cie, 0.01),
         ("2.4 L_v of point lights, 1 to 30 degrees, ages 20 to 80: relative error", p["veil"], 0.01),
-        ("2.4 illuminance at the eye of these", p["lux"], 0.01),
+        ("2.4 L_v of even lat-longs of 64 to 1024 pixels, and L_b", even, 0.01),
+        ("2.4 L_v and illuminance of lamps by flux, in the frame and beside it", disc, 0.01),
+        ("2.4 illuminance at the eye of the points", p["lux"], 0.01),
         ("2.4 TI on a road of 0.3 to 30 cd/m2: relative error", ti, 0.01),
         ("2.4 UGR of lamps in a room: error", r["ugr"], 0.05),
         ("2.4 DGP of these", r["dgp"], 0.001),
