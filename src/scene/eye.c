@@ -242,9 +242,10 @@ static void cast(struct samples *s, struct gp_eye_share *out)
     }
     out->part = sum.outside / sum.all;
     out->clear = sum.outside > 0.0 ? fmin(sum.clear / sum.outside, 1.0) : 1.0;
-    // a cell's ray is one draw of its share p: p (1 - p) is at most 1/4
-    const int edges = edge_cells(s, &n);
-    out->error = n > 0 ? 0.5 * sqrt((double) edges) / n : 0.0;
+    // a cell's ray is one draw of its share p: p (1 - p) is at most 1/4; where all agree,
+    // what is smaller than a cell may be missed: a third of the rule of three
+    const double edges = fmax(edge_cells(s, &n), 4.0);
+    out->error = n > 0 && s->side > 1 ? 0.5 * sqrt(edges) / n : 0.0;
 }
 
 gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,

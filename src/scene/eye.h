@@ -39,8 +39,10 @@ struct gp_eye_share {
     double
         clear; // share of the disc's part outside the window that shows, 0 to 1;
                // 1 where no part is outside
-    double part;  // share of the disc that it is, 0 to 1
-    double error; // of `clear`: one standard deviation of the samples, at most
+    double part; // share of the disc that it is, 0 to 1
+    double
+        error; // of `clear`: one standard deviation of the samples, at most; a
+               // ray's share, or more, where triangles are before the disc
 };
 
 /* Casts rays in double through the triangles of E; materials are tested as

@@ -71,6 +71,27 @@ static void edge_of_a_wall(void **state)
     assert_true(worst < 4.0 * 5e-4 && sum / n < 5e-4);
 }
 
+/* What a wall leaves of a disc, or hides of it, may be under a ray's share: no ray meets
+ * it, and three times `error` still hold it. */
+static void slivers_are_in_the_error(void **state)
+{
+    const double half = 0.00465;
+    int missed = 0;
+    for (int i = 0; i < 60; i++) {
+        struct gp_scene s = made_scene();
+        const double h = (i % 2 ? -1.0 : 1.0) * (0.985 + 0.00025 * i);
+        put_wall(&s, made_card(&s, 0), 20.0, 0.1, 20.0 * tan(h * half) - 8.0,
+                 8.0);
+        const struct gp_eye_disc d = gp_eye_sun((struct gp_v3) {0, 0, 0},
+                                                (struct gp_v3) {0, 1, 0}, half);
+        const struct gp_eye_share got = share_of(&s, &d, NULL);
+        near_to("sliver", got.clear, segment(h), 3.0 * got.error);
+        missed += got.clear == (i % 2 ? 1.0 : 0.0);
+        made_free(&s);
+    }
+    assert_true(missed > 4);
+}
+
 /* Walls with regular holes show their share; `error` holds the difference. */
 static void leaves_with_holes(void **state)
 {
@@ -252,7 +273,6 @@ static void copies_of_a_large_mesh(void **state)
     made_free(&coarse);
 }
 
-SUITE_OF(eye, NULL, NULL, edge_of_a_wall, leaves_with_holes, walls_and_lamps,
-         closed_balls_are_tight, windows_are_left_out, threads_change_nothing,
-         copies_of_a_large_mesh)
-
+SUITE_OF(eye, NULL, NULL, edge_of_a_wall, slivers_are_in_the_error,
+         leaves_with_holes, walls_and_lamps, closed_balls_are_tight,
+         windows_are_left_out, threads_change_nothing, copies_of_a_large_mesh)
