@@ -133,12 +133,16 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
 
     // by the image of the view axis, and which way y goes
     if (ndc == GP_NDC_AUTO) {
-        const double x = fabs(gp_v3_dot(axis, x_column)),
-                     y = fabs(gp_v3_dot(axis, y_column));
-        const bool down =
-            to_camera && gp_v3_dot(y_column, gp_column(to_camera, 1)) < 0.0;
-        ndc = !down && fmin(x, y) < 0.02 && fmax(x, y) < 0.48 ? GP_NDC_CLIP
-                                                              : GP_NDC_SPEC;
+        const double x = gp_v3_dot(axis, x_column);
+        const double y = gp_v3_dot(axis, y_column);
+        const double apart = fmax(fabs(x), fabs(y));
+        const double up =
+            to_camera ? gp_v3_dot(y_column, gp_column(to_camera, 1)) : 0.0;
+        const bool clip =
+            up > 0.0
+                ? apart <= fmax(fabs(x - 0.5), fabs(y - 0.5))
+                : up == 0.0 && fmin(fabs(x), fabs(y)) < 0.02 && apart < 0.48;
+        ndc = clip ? GP_NDC_CLIP : GP_NDC_SPEC;
     }
     // [-1, 1] with y up to [0, 1] with y down, before the division by w
     for (int row = 0; ndc == GP_NDC_CLIP && row < 16; row += 4) {

@@ -44,9 +44,9 @@ struct gp_camera {
 /* A camera from a frame's matrices. The view axis v is the direction in which
  * w grows fastest, the upper three of column 3; its image is the middle of the
  * picture, (1/2, 1/2) or (0, 0), give or take a lens shift. GP_NDC_AUTO takes
- * [0, 1], as the attribute is specified, but where the image is at 0 in one direction,
- * to 0.02, and within 0.48 of it in the other, and y is not known to go down: as it does
- * where it falls along the y of to_camera, which is up.
+ * [0, 1], as the attribute is specified, where y falls along the y of to_camera, which is
+ * up; the nearer of the two where it rises; and without to_camera [0, 1], but where the
+ * image is at 0 in one direction, to 0.02, and within 0.48 of it in the other.
  *   to_camera  may be NULL
  *   path       for the message
  *   out        written on GP_OK only

@@ -88,7 +88,7 @@ like "$status $(grep -c . err) $(cat err) $("$python" -c 'import json
 print({json.loads(l)["fov_from"] for l in open("r.json")})')" \
     "0 1 *warning: *flat.1.exr: *worldToNDC*no perspective*--fov* {'default'}" \
     'a matrix that is of no camera, once'
-frame up.exr seed=3 attr=worldToNDC:m44f:0.5,0,0,0,0,0.5,0,0,0.15,0.15,1,1,0,0,-1,0 \
+frame up.exr seed=3 attr=worldToNDC:m44f:0.5,0,0,0,0,0.5,0,0,0.4,0.6,1,1,0,0,-1,0 \
     attr=worldToCamera:m44f:1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1
 run --layer l.exr --report r.json up.exr
 like "$status $(cat err) $(field r.json 'round(o["deg_per_pixel"] * o["height"], 3)')" \
