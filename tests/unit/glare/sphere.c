@@ -224,6 +224,52 @@ static void others_are_refused(void **state)
     }
 }
 
+/* Pixels of the row at a pole, wedges that all meet there, against the mean over both of
+ * them by solid angle, of latitudes and of what is between their longitudes. */
+static void wedges_at_a_pole_are_as_defined(void **state)
+{
+    enum { PARTS = 240 };
+    static const int to[][2] = {{1, 0}, {9, 0}, {W / 4, 0}, {W / 2, 0}, {0, 1}};
+    const double row = M_PI / H;
+    struct gp_sky_params p;
+    (void) state;
+    struct gp_sky *sky = sphere_of("eye", &p);
+    struct gp_sources src = sky_lamps(W, H, 1, 0, 0);
+    double *const got = sky_exact(sky, &src), whole = 0.0;
+    for (int i = 0; i < 200000; i++) {
+        const double u = (i + 0.5) / 200000.0, t = M_PI * u * u * u * u;
+        whole += p.part[0].light(&p.part[0], fmin(t * 180.0 / M_PI, 100.0)) *
+                 2.0 * M_PI * sin(t) * 4.0 * M_PI * u * u * u / 200000.0;
+    }
+    for (size_t i = 0; i < COUNT(to); i++) {
+        double sum = 0.0, all = 0.0;
+        for (int k = 0; k < PARTS * PARTS * PARTS; k++) {
+            // denser towards the pole
+            const double a = pow((k % PARTS + 0.5) / PARTS, 2.0) * row;
+            const double v = (k / PARTS % PARTS + 0.5) / PARTS;
+            const double b = (to[i][1] + (to[i][1] ? v : v * v)) * row;
+            const double u = 2.0 * (k / PARTS / PARTS + 0.5) / PARTS - 1.0;
+            const double turn = 0.5 * (to[i][0] + u) * 2.0 * M_PI / W;
+            const double half = pow(sin(0.5 * (a - b)), 2.0) +
+                                sin(a) * sin(b) * pow(sin(turn), 2.0);
+            const double by = (1.0 - fabs(u)) * sin(a) * sin(b) * sqrt(a) *
+                              (to[i][1] ? 1.0 : sqrt(b));
+            all += by;
+            sum += by *
+                   p.part[0].light(&p.part[0], 360.0 / M_PI * asin(sqrt(half)));
+        }
+        const double want = sum / all / whole * (1.0 - p.part[0].stays) *
+                            src.rgb[0][0] * 2.0 * M_PI / W * (1.0 - cos(row));
+        const double share = got[to[i][1] * W + to[i][0]] / want;
+        if (fabs(share - 1.0) > 0.02)
+            print_message("# %d, %d: %g of it\n", to[i][0], to[i][1], share);
+        assert_true(fabs(share - 1.0) <= 0.02);
+    }
+    gp_sources_free(&src);
+    gp_sky_free(&sky);
+    free(got);
+}
+
 /* Pixels beyond a fisheye's rim are dark, and the rest as they are defined; and the
  * share of light that falls beyond is what the others have not. */
 static void fisheyes_have_a_rim(void **state)
@@ -241,6 +287,8 @@ static void fisheyes_have_a_rim(void **state)
         struct gp_sources src = sky_lamps(SIDE, SIDE, 1, at[0], at[1]);
         struct gp_planes got = sky_layer(sky, &src);
         double *const want = sky_exact(sky, &src), error = 0.0, norm = 0.0;
+        const double omega = gp_projection_solid(&p.projection, at[0], at[1]);
+        double kept = gp_sky_given(sky) * (double) src.rgb[0][0] * omega;
         for (int i = 0; i < M; i++) {
             const double u = (i % SIDE - p.projection.x0) * p.projection.dx;
             const double v = (i / SIDE - p.projection.y0) * p.projection.dy;
@@ -249,8 +297,16 @@ static void fisheyes_have_a_rim(void **state)
             assert_true((want[i] == 0.0) == out);
             error += pow((double) got.c[0][i] - want[i], 2.0);
             norm += want[i] * want[i];
+            kept += want[i] *
+                    gp_projection_solid(&p.projection, i % SIDE, i / SIDE);
         }
         assert_true(sqrt(error / norm) <= sky->error.relative);
+        kept /= (double) src.rgb[0][0] * omega;
+        const double beyond = gp_sky_outside(sky, at[0], at[1]);
+        if (fabs(1.0 - kept - beyond) > 2e-3)
+            print_message("# at %d, %d: %g beyond, not %g\n", at[0], at[1],
+                          beyond, 1.0 - kept);
+        assert_true(fabs(1.0 - kept - beyond) <= 2e-3);
         gp_planes_free(&got);
         gp_sources_free(&src);
         gp_sky_free(&sky);
@@ -260,4 +316,5 @@ static void fisheyes_have_a_rim(void **state)
 
 SUITE_OF(sphere, NULL, NULL, a_lamp_is_the_same_all_over,
          the_definition_is_the_formula, laws_of_a_sphere_hold,
-         others_are_refused, fisheyes_have_a_rim)
+         others_are_refused, wedges_at_a_pole_are_as_defined,
+         fisheyes_have_a_rim)
