@@ -456,6 +456,10 @@ def test_bench(b):
           "400 pixels wide: all of the plot is in sight")
     silent(b, "bench")
     axe(b, "bench")
+    glarepp("bench", "--runs", "1", "--tolerance", "0", "--html", "none.html", "bench.exr",
+            status=0)
+    b.open("none.html")
+    silent(b, "bench without a tolerance, which is no place on its plot")
 
 
 def main():
