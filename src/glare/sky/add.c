@@ -48,17 +48,7 @@ GP_CLONES static float dot_row(const float *restrict a, const float *restrict b,
     return total;
 }
 
-/* to += the sum of at[k] from[k] over four rows, n of each. */
-GP_CLONES_WIDE static void add_four(const float *const from[4],
-                                    const float at[4], int n,
-                                    float *restrict to)
-{
-    for (int i = 0; i < n; i++)
-        to[i] = to[i] + at[0] * from[0][i] + at[1] * from[1][i] +
-                at[2] * from[2][i] + at[3] * from[3][i];
-}
-
-/* The same of `count` rows. */
+/* to += the sum of at[k] from[k] over `count` rows, n of each. */
 static void add_rows(const float *const *from, const float *at, int count,
                      int n, float *to)
 {
@@ -69,7 +59,7 @@ static void add_rows(const float *const *from, const float *at, int count,
             four[k] = from[gp_min(first + k, count - 1)];
             by[k] = first + k < count ? at[first + k] : 0.0f;
         }
-        add_four(four, by, n, to);
+        gp_sky_add_four(four, by, (size_t) n, to);
     }
 }
 
@@ -152,15 +142,14 @@ GP_CLONES static void gather_row(const float *restrict e,
                    (o[m - 1] + o[m - 2]) * (23.0f / 48.0f);
 }
 
-/* Lays light times solid angles out in black rows, of even pixels and of odd ones. */
+/* Lays light times solid angles out in black rows, one of even pixels, one of odd. */
 GP_CLONES static void lay_apart(const struct adding *a, int y,
                                 const float *restrict rgb,
                                 const float *restrict solid,
                                 float *restrict even, float *restrict odd)
 {
     const int32_t *const x = a->d->src->x;
-    const uint32_t *const at =
-        a->index.at + (size_t) y * (size_t) (a->index.blocks + 1);
+    const uint32_t *const at = gp_sky_index_row(&a->index, y);
     for (int b = 0; b < a->index.blocks; b++) {
         const float *const by = solid + b * GP_SKY_BLOCK, *const v =
                                                               rgb + at[b];
@@ -231,7 +220,8 @@ static void gather_band(void *ctx, int band, int thread)
                 const float *const v = lines + c * to->pitch;
                 const float *const line[ROWS] = {v, v + row, v + 2 * row,
                                                  v + 3 * row};
-                add_four(line, at, to->w, gp_sky_grid_row(to, (int) c, g));
+                gp_sky_add_four(line, at, (size_t) to->w,
+                                gp_sky_grid_row(to, (int) c, g));
             }
         }
     }

@@ -18,8 +18,7 @@ static void index_row(void *ctx, int y, int thread)
 {
     const struct indexing *const a = ctx;
     const struct gp_sources *const s = a->src;
-    uint32_t *const at =
-        a->index->at + (size_t) y * (size_t) (a->index->blocks + 1);
+    uint32_t *const at = gp_sky_index_row(a->index, y);
     uint32_t i = s->row[y];
     (void) thread;
     for (int b = 0; b < a->index->blocks; b++) {
@@ -57,8 +56,7 @@ struct near {
 static void lay_row(const struct near *v, int y, const float *rgb, float *row)
 {
     const int32_t *const x = v->src->x;
-    const uint32_t *const at =
-        v->index->at + (size_t) y * (size_t) (v->index->blocks + 1);
+    const uint32_t *const at = gp_sky_index_row(v->index, y);
     for (int b = 0; b < v->index->blocks; b++) {
         if (at[b + 1] - at[b] == BLOCK) { // all of its pixels
             memcpy(row + b * BLOCK, rgb + at[b], BLOCK * sizeof *row);

@@ -197,8 +197,9 @@ double gp_sky_single_error(const struct gp_sky *s, const double at[2],
 
 // -- sum.c --------------------------------------------------------------------
 
-/* to += by * from, n of each. */
-void gp_sky_add_scaled(float *to, const float *from, float by, int n);
+/* to += the sum of at[k] from[k] over four rows, n of each. */
+void gp_sky_add_four(const float *const from[4], const float at[4], size_t n,
+                     float *to);
 
 // -- bound.c ------------------------------------------------------------------
 

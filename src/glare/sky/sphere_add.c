@@ -344,6 +344,14 @@ static void lay_out(const struct adding *a, int y, float *lines_of)
     }
 }
 
+/* to += by * from, n of each. */
+GP_CLONES static void add_scaled(float *restrict to, const float *restrict from,
+                                 float by, int n)
+{
+    for (int i = 0; i < n; i++)
+        to[i] += by * from[i];
+}
+
 /* Adds what row `from` of sources, laid out where they are dense, spreads to the three
  * lines of row y of the sphere. */
 static void add_arc(const struct adding *a, int y, int from, const float *light,
@@ -364,8 +372,8 @@ static void add_arc(const struct adding *a, int y, int from, const float *light,
             continue;
         }
         for (uint32_t i = src->row[from]; i < src->row[from + 1]; i++)
-            gp_sky_add_scaled(line + at + column_of(o, src->x[i]) - reach,
-                              weight - reach, src->rgb[c][i], 2 * reach + 1);
+            add_scaled(line + at + column_of(o, src->x[i]) - reach,
+                       weight - reach, src->rgb[c][i], 2 * reach + 1);
     }
 }
 
@@ -383,8 +391,8 @@ static void finish_row(const struct adding *a, int y, size_t c, float own,
         at[o->w - 1 - x] += at[-1 - x];
     }
     if (lit) {
-        gp_sky_add_scaled(to, at + o->x0, 1.0f, before);
-        gp_sky_add_scaled(to + before, at, 1.0f, w - before);
+        add_scaled(to, at + o->x0, 1.0f, before);
+        add_scaled(to + before, at, 1.0f, w - before);
     }
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
         to[src->x[i]] += own * src->rgb[c][i];

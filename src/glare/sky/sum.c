@@ -27,11 +27,13 @@ typedef float loose_wide
 
 // -- light --------------------------------------------------------------------
 
-GP_CLONES void gp_sky_add_scaled(float *restrict to, const float *restrict from,
-                                 float by, int n)
+GP_CLONES_WIDE void gp_sky_add_four(const float *const from[4],
+                                    const float at[4], size_t n,
+                                    float *restrict to)
 {
-    for (int i = 0; i < n; i++)
-        to[i] += by * from[i];
+    for (size_t i = 0; i < n; i++)
+        to[i] = to[i] + at[0] * from[0][i] + at[1] * from[1][i] +
+                at[2] * from[2][i] + at[3] * from[3][i];
 }
 
 gp_status gp_sky_grid_make(const struct gp_log *log,
@@ -124,17 +126,8 @@ float *gp_sky_weights_open(const struct gp_sky *s, int l, int first, int n,
     return scratch + gp_sky_weights_room(s, g);
 }
 
-/* The sum of four times weights. */
-GP_CLONES_WIDE static void add_four(const float *const from[4],
-                                    const float at[4], size_t n,
-                                    float *restrict to)
-{
-    for (size_t i = 0; i < n; i++)
-        to[i] = at[0] * from[0][i] + at[1] * from[1][i] + at[2] * from[2][i] +
-                at[3] * from[3][i];
-}
-
-/* The same to tables of a block, as far as they are laid: of `value` and its slope.
+/* Adds four times weights to tables of a block, as far as they are laid: of `value` and
+ * its slope.
  * `next`: the sum is the next block's, and what this one's slope leads to becomes its
  * value. */
 GP_CLONES_WIDE static void add_rows(const struct gp_sky_weights *w,
@@ -194,9 +187,11 @@ static void find_places(struct gp_sky_weights *w, int i)
         from[k] = g->weight + at * g->size;
         widen(span, g->span + 2 * at * (size_t) rows, rows);
     }
-    for (size_t p = 0; p < (g->tilts ? 2 : 1); p++)
-        add_four(from, w->at[p], g->size,
-                 w->places + (p * columns + (size_t) i) * g->size);
+    for (size_t p = 0; p < (g->tilts ? 2 : 1); p++) {
+        float *const to = w->places + (p * columns + (size_t) i) * g->size;
+        memset(to, 0, g->size * sizeof *to);
+        gp_sky_add_four(from, w->at[p], g->size, to);
+    }
     w->known[i] = true;
 }
 

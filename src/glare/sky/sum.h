@@ -41,6 +41,12 @@ GP_MUST_CHECK gp_status gp_sky_index_make(const struct gp_log *log,
                                           const struct gp_sources *src,
                                           struct gp_sky_index *out);
 
+static inline uint32_t *gp_sky_index_row(const struct gp_sky_index *index,
+                                         int y)
+{
+    return index->at + (size_t) y * (size_t) (index->blocks + 1);
+}
+
 /* Floats of scratch for a thread. */
 size_t gp_sky_room(const struct gp_sky *s);
 
