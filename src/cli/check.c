@@ -420,20 +420,17 @@ static gp_status set_lights_file(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Checks numbers of suns and their maps; warns to `warn`. */
+/* Checks numbers of suns and their maps. */
 static gp_status check_lights(const struct gp_log *log,
-                              const struct gp_log *warn,
                               const struct gp_sun_settings *sun)
 {
     if (sun->color.n == 2)
         return gp_fail(log, GP_ERR_USAGE,
                        "--sun-color: two numbers; give one or three");
     if (sun->p.side % 2)
-        return gp_fail(log, GP_ERR_USAGE, "--sun-map: odd (found %d); give "
-                       "an even number", sun->p.side);
-    if (sun->p.bytes && sun->p.side > 16 && sun->p.method == GLAREPP_MASK)
-        gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: texels of a map over 16 "
-               "round to 0 (found %d); use --sun-map 16", sun->p.side);
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--sun-map: odd (found %d); give an even number",
+                       sun->p.side);
     return GP_OK;
 }
 
@@ -584,7 +581,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     GP_TRY(check_needs(log, s, false));
     GP_TRY(check_grow(log, s));
     GP_TRY(check_groups(log, s));
-    GP_TRY(check_lights(log, warn, sun));
+    GP_TRY(check_lights(log, sun));
     if (sun->relight.n && s->scene.light_scale > 0.0 && !sun->p.in_frame)
         gp_say(warn, GP_LEVEL_WARN,
                "--relight: its lamps glare as discs, too; add --sun-in-frame "

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adds a point of each light's sun map to the light's pixel of the intensity map: a
-// texel or, where they are more, the mean of four.
+// texel or, where they are more, the mean of a square of them.
 //
 // in   atlas  sun maps side by side; r share shown, g weight
 //      map    x: texels of a map's side; y: points
 //      texel  of every map, the first one of a point
 //   BYTE:
-//      scale  of the 8-bit sum: 1 / 255 for a map of 256 texels
+//      scale  of the 8-bit sum: 1 / 255 for 256 points
 // out  to be added: r and g in 256ths, which add up exactly in a float target
 //      (65536 texels at most), and in b and a the rest of each.
-//      BYTE: r and g times scale, for an 8-bit target
+//      BYTE: r and g times scale, for an 8-bit target, twice: greys that one half
+//      rounds up the other rounds down
 // CPU twin: mask.c, gp_sun_map_reference()
 uniform sampler2D atlas;
 uniform ivec2 map;
@@ -21,26 +22,24 @@ out vec4 sum;
 vec2 value()
 {
     ivec2 at = ivec2(gl_FragCoord.xy) * map.x + texel;
-    vec2 v = texelFetch(atlas, at, 0).rg;
-    if (map.y < map.x)
-        v = 0.25 * (v + texelFetch(atlas, at + ivec2(1, 0), 0).rg +
-                    texelFetch(atlas, at + ivec2(0, 1), 0).rg +
-                    texelFetch(atlas, at + ivec2(1, 1), 0).rg);
-    return v;
+    int wide = map.x / map.y;
+    vec2 v = vec2(0.0);
+    for (int i = 0; i < wide * wide; i++)
+        v += texelFetch(atlas, at + ivec2(i % wide, i / wide), 0).rg;
+    return v / float(wide * wide);
 }
 
 #ifdef BYTE
 
 uniform float scale;
 
-// Quarters that 8 bits would all round to one side are 1 as often as they are large.
-const vec4 DITHER = vec4(-3.0, 1.0, 3.0, -1.0) / (8.0 * 255.0);
-
 void main()
 {
-    ivec2 at = texel * map.y / map.x & 1;
-    vec2 dither = vec2(map.y < map.x ? DITHER[at.x + 2 * at.y] : 0.0);
-    sum = vec4(max(value() * scale + dither, 0.0), 0.0, 0.0);
+    // greys, which 8 bits would all round to one side, are 1 as often as they are
+    // large: evenly over neighbours by the plastic number (Roberts 2018)
+    vec2 at = vec2(texel / (map.x / map.y) + 1);
+    float dither = (fract(dot(at, vec2(0.7548777, 0.5698403))) - 0.5) / 255.0;
+    sum = max(vec4(value() * scale + dither, value() * scale - dither), 0.0);
 }
 
 #else

@@ -14,8 +14,7 @@ flat out ivec2 texel;
 void main()
 {
     texel = ivec2(gl_InstanceID % map.y, gl_InstanceID / map.y);
-    if (map.y < map.x)
-        texel = (2 * texel + 1) * (map.x / 2) / (2 * map.y) * 2;
+    texel = ((2 * texel + 1) * map.x / map.y - map.x / map.y + 1) / 2;
     gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0,
                        gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
 }

@@ -374,7 +374,7 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
                            const struct glarepp_light_params *p, struct gp_rect cells,
                            struct gp_sun_map *s)
 {
-    // in 8 bits 256 points at most, each of four texels
+    // in 8 bits 256 points at most, each of four texels or more
     const int points =
         p->bytes && p->side > POINTS ? gp_min(p->side / 2, POINTS) : p->side;
     const int count = points * points;
@@ -394,11 +394,12 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
         {0},
         {0},
     };
-    // the paper's 1 / 255 is for 256 points; others are scaled to them
+    // the paper's 1 / 255 is for 256 points; fewer make whole steps of it, no more
     if (p->bytes)
         uniform[2] = (struct gp_uniform) {
-            .name = "scale", .floats = 1,
-            .f = {256.0f / (255.0f * (float) count)},
+            .name = "scale",
+            .floats = 1,
+            .f = {(float) (256 / count) / 255.0f},
         };
     const struct gp_draw sums = {
         .program = &s->adds_up[p->bytes],

@@ -19,8 +19,9 @@
  * Only the pixels under lights are uploaded. With p->bytes the intensity map adds up
  * in 8 bits, 1 / 255 a point, saturating, as in the paper; else in float, exactly. A
  * point is a texel; of maps of over 16x16, whose steps would round to 0, the mean of
- * four, as of a bilinear fetch at their common corner, and of over 32x32 a regular
- * selection of 16x16 such: the paper's two ways out.
+ * four, as of a bilinear fetch at their common corner, and of over 32x32 the mean of
+ * such fetches, in a regular selection of 16x16: the paper's two ways out. Greys are
+ * dithered.
  */
 #ifndef GP_SUN_MASK_MASK_H
 #define GP_SUN_MASK_MASK_H
