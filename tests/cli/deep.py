@@ -4,13 +4,15 @@
 
     deep.py make FOLDER       deep.exr, other.exr (its samples in another order), plain.exr
                               (its picture), lights.json, truth.json
-    deep.py hair FOLDER SEED  deep.exr, lights.json, truth.json
+    deep.py hair FOLDER SEED  deep.exr, lights.json, truth.json, mirror.json
     deep.py check TRUTH.json REPORT.json LIMIT
 
 A pixel's samples are what a renderer writes: the coverage of each leaf, nearest first, by
 16 x 16 rays; of smoke its alpha between front and back. The truth is of a second camera,
 which looks at one light only: 256 x 256 rays to its disc, through the same leaves
-and smoke. Hair is bits, 16 x 16 a pixel, of which samples and truth are counts."""
+and smoke. Hair is bits, 16 x 16 a pixel, of which samples and truth are counts. With what
+is in each pixel mirrored the samples are the same, and the truth is mirror.json: in one of
+the two any reader is off by half of what they differ by."""
 import json
 import math
 import random
@@ -168,7 +170,7 @@ def make(folder):
 
 def hair(folder, seed):
     """120 straight hairs, 0.1 to 0.8 pixels wide, and discs of 6 to 8 pixels among them."""
-    n, rng, lights, truth = 16, random.Random(seed), [], {}
+    n, rng, lights, truth, mirror = 16, random.Random(seed), [], {}, {}
     clear = [(1 << W * n) - 1] * (H * n)  # rows of bits that no hair covers yet
     left = [[n * n] * W for _ in range(H)]  # of these in each pixel
     pixels = [[[] for _ in range(W)] for _ in range(H)]
@@ -179,16 +181,19 @@ def hair(folder, seed):
     def look(depth):
         r = rng.choice((6, 6, 7, 8))
         x, y = rng.uniform(r + 1, W - r - 1), rng.uniform(r + 1, H - r - 1)
-        seen = total = 0
+        seen = turned = total = 0
         for row in range(round((y - r) * n), round((y + r) * n)):
             half = math.sqrt(max(r * r - ((row + 0.5) / n - y) ** 2, 0))
             a, b = round((x - half) * n), round((x + half) * n)
             seen += bin(bits(row, a, b)).count("1")
+            text = f"{clear[row]:0{W * n}b}"[::-1]  # bit 0 first
+            text = "".join(text[k:k + n][::-1] for k in range(0, W * n, n))
+            turned += text.count("1", a, b)
             total += b - a
         name = "h%d" % len(lights)
         lights.append({"name": name, "pixel": [x, y], "radius": r, "bias": 0,
                        **({"depth": depth} if depth else {})})
-        truth[name] = seen / total
+        truth[name], mirror[name] = seen / total, turned / total
 
     depths = sorted(rng.uniform(3, 40) for _ in range(24))
     for z in sorted(rng.uniform(3, 40) for _ in range(120)):
@@ -213,6 +218,7 @@ def hair(folder, seed):
     write(folder + "/deep.exr", pixels, lambda s: s)
     json.dump(lights, open(folder + "/lights.json", "w"))
     json.dump(truth, open(folder + "/truth.json", "w"))
+    json.dump(mirror, open(folder + "/mirror.json", "w"))
 
 
 def check(truth, report, limit):
