@@ -38,7 +38,8 @@ void main()
     // greys, which 8 bits would all round to one side, are 1 as often as they are
     // large: evenly over neighbours by the plastic number (Roberts 2018)
     vec2 at = vec2(texel / (map.x / map.y) + 1);
-    float dither = (fract(dot(at, vec2(0.7548777, 0.5698403))) - 0.5) / 255.0;
+    float turn = fract(dot(at, vec2(0.7548777, 0.5698403)));
+    float dither = (floor(16.0 * turn) - 7.5) / (16.0 * 255.0);
     sum = max(vec4(value() * scale + dither, value() * scale - dither), 0.0);
 }
 

@@ -125,7 +125,7 @@ static double byte_sum(const float *map, int side, bool weight)
         const int j = (int) ((y + 0.5) * side / n - wide / 2.0 + 0.5);
         const double turn =
             0.7548777 * (i / wide + 1) + 0.5698403 * (j / wide + 1);
-        const double dither = turn - floor(turn) - 0.5;
+        const double dither = (floor(16.0 * (turn - floor(turn))) - 7.5) / 16.0;
         double mean = 0.0;
         for (int k = 0; k < wide * wide; k++)
             mean +=
