@@ -1,25 +1,18 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A lamp by true angles against its definition, and what a plane makes of it.
-
-Usage: angles.py GLAREPP [FRAMES]
+"""Glare by true angles against its definition, and its time against a plane's.
 
 The definition is here once more, in double, by formulas of its own: light per steradian
-at the true angle, times the source's solid angle, its mean over both pixels (three Gauss
-points along each axis of each). Pixels 4 and more away from the lamp count. Prints, for
-each angle of view, model and place, rel_l2 by --projection perspective: by levels and as
-a lone lamp is summed (auto); how many pixels are within 0.5 %; its bound; and rel_l2 by
---projection plane.
+between two directions of view, its mean over both pixels, which shine and are lit evenly,
+times the steradians of the source's.
+Pixels 4 and more away from a lone lamp count, and all of them for its bound. Of frames
+of the data ($GLAREPP_DATA, or ../shared/data beside the repository) the pixels with most
+light and as many others by chance do.
 
-Then a lat-long of 2048x1024, a lamp in 12 places: the ratio to the definition that 99 % of
-the pixels from 4 rows on are within, and the light that is kept; and a lat-long cut into
-a perspective view, against the glare of that view.
-
-With FRAMES, the folder that frames.py fills, also the time of the glare stage and the
-memory by perspective over those by plane, at three angles, and those of a lat-long of
-4096x2048, and of the default style with --tolerance 0.01: medians of frames that follow
-the first, runs in turn.
+Times are those of the glare stage, runs in turn: the median of each run's frames but the
+first, over that of the other way, and of these the median. Frames are of $FRAMES, a
+folder that is filled by frames.py when it is empty, else made for the time being.
 """
+import filecmp
 import json
 import math
 import os
@@ -30,17 +23,127 @@ import tempfile
 
 import numpy as np
 
-GLAREPP = sys.argv[1]
+from shares import DATA, ROOT
+
 W, H = 480, 270
-MODELS = {
-    "eye": lambda t: 0.384 * 2.61e6 * np.exp(-(t / 0.02) ** 2) +
-    0.478 * 20.91 / (t + 0.02) ** 3 + 0.138 * 72.37 / (t + 0.02) ** 2,
-    "cie:age=70": lambda t: 0.92 * (9.2e6 / (1 + (t / 0.0046) ** 2) ** 1.5 +
-                                    1.5e5 / (1 + (t / 0.045) ** 2) ** 1.5) +
-    2.6 * (400 / (1 + (t / 0.1) ** 2) + 3e-8 * t * t +
-           0.5 * (1300 / (1 + (t / 0.1) ** 2) ** 1.5 +
-                  0.8 / (1 + (t / 0.1) ** 2) ** 0.5)) + 1.25e-3,
-}
+LONE = ("-t", "0", "--threshold-mode", "whole")
+
+# -- models: the light per steradian between directions p and q ----------------------
+
+
+def by_angle(curve, whole=1.0):
+    """That of a curve of degrees, which stays the same from 100 on."""
+    def light(p, q):
+        chord = np.sqrt(sum((a - b) ** 2 for a, b in zip(p, q)))
+        return curve(np.minimum(np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1))), 100)) / whole
+    return light
+
+
+def sphere(curve):
+    """The light of a curve over the sphere."""
+    edge = np.concatenate([[0], np.geomspace(1e-7, 180.0, 400001)])
+    t = 0.5 * (edge[1:] + edge[:-1])
+    return np.sum(curve(np.minimum(t, 100.0)) * 2 * np.pi * np.sin(np.radians(t)) *
+                  np.radians(np.diff(edge)))
+
+
+def eye(t):
+    return 0.384 * 2.61e6 * np.exp(-(t / 0.02) ** 2) + \
+        0.478 * 20.91 / (t + 0.02) ** 3 + 0.138 * 72.37 / (t + 0.02) ** 2
+
+
+def cie(t, left=1.0):
+    """Of age 70 and pigment 0.5; absolute. So much is left of the narrow peak's light, and
+    of its width as much more, so that all adds up to 1."""
+    return 0.92 * (9.2e6 * left ** 3 / (1 + (t * left / 0.0046) ** 2) ** 1.5 +
+                   1.5e5 / (1 + (t / 0.045) ** 2) ** 1.5) + \
+        2.6 * (400 / (1 + (t / 0.1) ** 2) + 3e-8 * t * t +
+               0.5 * (1300 / (1 + (t / 0.1) ** 2) ** 1.5 +
+                      0.8 / (1 + (t / 0.1) ** 2) ** 0.5)) + 1.25e-3
+
+
+OVER = (sphere(cie) - 1) / (0.92 * 9.2e6 * 2 * math.pi * math.radians(0.0046) ** 2)
+# (`aperture`, which goes by direction cosines: p[0] - q[0] and p[1] - q[1])
+MODELS = {"eye": by_angle(eye, sphere(eye)), "cie:age=70": by_angle(lambda t: cie(t, 1 - OVER))}
+
+# -- places: their direction of view, and steradians a square pixel there -----------------
+
+
+def perspective(k, w, h):
+    """Of a camera whose pixels are k wide at a distance of 1."""
+    def view(x, y):
+        u, v = (x + 0.5 - w / 2) * k, (y + 0.5 - h / 2) * k
+        n = np.sqrt(1 + u * u + v * v)
+        return (u / n, v / n, 1 / n), k * k / n ** 3
+    return view
+
+
+def latlong(h):
+    def view(x, y):
+        u, v = (x + 0.5) * math.pi / h - math.pi, (y + 0.5) * math.pi / h - math.pi / 2
+        c = np.cos(v)
+        return (c * np.sin(u), np.sin(v), c * np.cos(u)), (math.pi / h) ** 2 * c
+    return view
+
+
+def pixel_width(fov, h):
+    return 2 * math.tan(math.radians(fov / 2)) / h
+
+
+# -- means over two pixels: places in both, and their weights ----------------------------
+
+
+def square(at, source, weight):
+    """Along both axes, of places and weights along one."""
+    x, y = (g.reshape(-1, 1) for g in np.meshgrid(*[np.arange(len(weight))] * 2))
+    return at[x], at[y], source[x], source[y], np.outer(weight, weight).ravel()
+
+
+def gauss(n):
+    """Of n points along each axis of each."""
+    node, weight = np.polynomial.legendre.leggauss(n)
+    at, source = (g.ravel() for g in np.meshgrid(node / 2, node / 2))
+    return square(at, source, np.outer(weight, weight).ravel() / 4)
+
+
+def folded(n, *edges):
+    """By steps between places, n points between edges from 0 to 1, the rarer the longer, and
+    two of what both move together."""
+    node, weight = np.polynomial.legendre.leggauss(n)
+    part = np.diff(edges)[:, None] / 2
+    step, weight = (np.array(edges)[:-1, None] + part * (1 + node)).ravel(), (part * weight).ravel()
+    rest = 1 - step
+    step = np.tile(np.concatenate([-step, step]), 2)
+    both = np.repeat([-0.5, 0.5], len(step) // 2) * np.tile(rest, 4) / math.sqrt(3)
+    return square(both + step / 2, both - step / 2, np.tile(weight * rest, 4) / 2)
+
+
+# edges lie where light peaks in the pixel itself, and in those beside it
+PEAK = folded(5, 0, 0.002, 0.006, 0.015, 0.04, 0.1, 0.25, 0.5,
+              0.75, 0.9, 0.96, 0.985, 0.994, 0.998, 1)
+NEAR = folded(6, 0, 1)
+FAR = square(np.array([-1, 1]) / math.sqrt(24), np.array([1, -1]) / math.sqrt(24), np.full(2, 0.5))
+BANDS = ((0, PEAK), (1.5, NEAR), (4, gauss(5)), (12, gauss(3)), (40, gauss(2)))
+
+
+def mean(light, view, at, source, rule):
+    ax, ay, sx, sy, weight = rule
+    p, q = view(at[0] + ax, at[1] + ay)[0], view(source[0] + sx, source[1] + sy)[0]
+    return weight @ light(p, q) * view(*source)[1]
+
+
+def definition(light, view, at, source, away, bands=BANDS):
+    """At places, or of sources at places, by a rule for each band of pixels away."""
+    out, at, source = np.zeros(away.shape), np.broadcast_arrays(*at, away)[:2], \
+        np.broadcast_arrays(*source, away)[:2]
+    for (low, rule), high in zip(bands, [low for low, _ in bands[1:]] + [math.inf]):
+        pick = np.flatnonzero((away >= low) & (away < high))
+        for part in np.array_split(pick, 1 + len(pick) * len(rule[4]) // 2000000):
+            out[part] = mean(light, view, [a[part] for a in at], [s[part] for s in source], rule)
+    return out
+
+
+# -- runs ----------------------------------------------------------------------------
 
 
 def write(path, image):
@@ -49,236 +152,244 @@ def write(path, image):
         f.write(image[::-1].astype("<f4").tobytes())
 
 
-def read(path):
-    with open(path, "rb") as f:
-        f.readline()
-        w, h = (int(n) for n in f.readline().split())
-        f.readline()
-        return np.frombuffer(f.read(), "<f4").reshape(h, w, 3)[::-1, :, 1].astype(float)
+def run(glarepp, report, *words):
+    subprocess.run([glarepp, "-q", "--report", report, *words], check=True)
+    with open(report, encoding="utf-8") as f:
+        return [json.loads(line) for line in f]
 
 
-def sphere(light):
-    """The light of a model over the sphere; behind 100 degrees as there."""
-    edge = np.concatenate([[0], np.geomspace(1e-7, 180.0, 400001)])
-    t = 0.5 * (edge[1:] + edge[:-1])
-    return np.sum(light(np.minimum(t, 100.0)) * 2 * np.pi * np.sin(np.radians(t)) *
-                  np.radians(np.diff(edge)))
+def glare(glarepp, folder, image, *words):
+    """The layer of an image, or of a frame's path, and its facts."""
+    frame, layer = folder + "/f.pfm", folder + "/l.pfm"
+    if isinstance(image, str):
+        frame = image
+    else:
+        write(frame, image)
+    facts = run(glarepp, folder + "/r", "--edges", "black", "--layer", layer, *words, frame)[0]
+    with open(layer, "rb") as f:
+        w, h = (int(n) for n in (f.readline(), f.readline(), f.readline())[1].split())
+        return np.frombuffer(f.read(), "<f4").reshape(h, w, 3)[::-1].astype(float), facts
 
 
-def definition(light, fov, px, py):
-    k = 2 * math.tan(math.radians(fov / 2)) / H
-    node, weight = np.polynomial.legendre.leggauss(3)
-    y, x = np.mgrid[0:H, 0:W]
-    total = np.zeros((H, W))
-    for a, b, c, d in np.ndindex(3, 3, 3, 3):
-        ax, ay = ((x + 0.5 + node[a] / 2 - W / 2) * k, (y + 0.5 + node[b] / 2 - H / 2) * k)
-        sx, sy = ((px + 0.5 + node[c] / 2 - W / 2) * k, (py + 0.5 + node[d] / 2 - H / 2) * k)
-        cross = np.sqrt((ax - sx) ** 2 + (ay - sy) ** 2 + (ax * sy - ay * sx) ** 2)
-        t = np.degrees(np.arctan2(cross, 1 + ax * sx + ay * sy))
-        total += weight[a] * weight[b] * weight[c] * weight[d] / 16 * \
-            light(np.minimum(t, 100.0))
-    x, y = (px + 0.5 - W / 2) * k, (py + 0.5 - H / 2) * k
-    return total * k * k / (1 + x * x + y * y) ** 1.5
+def lamp(w, h, px, py):
+    image = np.zeros((h, w, 3), np.float32)
+    image[py, px] = 1e6
+    return image
 
 
-def main():
-    print("| fov | model | place | levels | auto | within 0.5 % | bound | plane |\n"
-          "|---|---|---|---|---|---|---|---|")
-    with tempfile.TemporaryDirectory() as folder:
-        frame, layer, report = (os.path.join(folder, n) for n in ("f.pfm", "l.pfm", "r"))
-
-        def run(px, py, *words):
-            image = np.zeros((H, W, 3), np.float32)
-            image[py, px] = 1e6
-            write(frame, image)
-            subprocess.run([GLAREPP, "-q", "-t", "0", "--threshold-mode", "whole",
-                            "--edges", "black", "--layer", layer, "--report", report,
-                            *words, frame], check=True)
-            with open(report, encoding="utf-8") as f:
-                return read(layer) / 1e6, json.loads(f.readline())
-
-        y, x = np.mgrid[0:H, 0:W]
-        for fov in 30, 40, 60, 90, 120:
-            for model, light in MODELS.items():
-                # CIE's is absolute
-                whole = sphere(light) if model == "eye" else 1.0
-                for place in 0.5, 0.75, 0.98:
-                    px, py = int(W * place), int(H * place)
-                    want = definition(light, fov, px, py) / whole
-                    veil = np.hypot(x - px, y - py) >= 4
-                    row = []
-                    for way in (["-e", "fft", "--projection", "perspective"],
-                                ["--projection", "perspective"],
-                                ["--projection", "plane"]):
-                        got, facts = run(px, py, "-k", model, "--fov", str(fov), *way)
-                        off = got[veil] - want[veil]
-                        row.append(math.sqrt((off ** 2).sum() / (want[veil] ** 2).sum()))
-                        if not row[1:]:
-                            near = np.mean(abs(off) <= 5e-3 * want[veil])
-                            bound = facts["bound_angle"]
-                    print("| %g | %s | %g | %.1e | %.1e | %.1f %% | %.1e | %.3f |" %
-                          (fov, model, place, row[0], row[1], 100 * near, bound, row[2]))
+def rel_l2(got, want, weight=1.0):
+    return math.sqrt((weight * (got - want) ** 2).sum() / (weight * want ** 2).sum())
 
 
-def sphere_definition(light, h, px, py):
-    """On a lat-long of 2 h columns, by two Gauss points along each axis of each pixel."""
-    node = np.array([-0.5, 0.5]) / math.sqrt(3)
-    step, total = math.pi / h, np.zeros((h, 2 * h))
-    row, column = np.mgrid[0:h, 0:2 * h]
-    for a, b, c, d in np.ndindex(2, 2, 2, 2):
-        v = (row + 0.5 + node[a]) * step - math.pi / 2
-        w = (py + 0.5 + node[b]) * step - math.pi / 2
-        u = (column - px + node[c] - node[d]) * step
-        half = np.sin((v - w) / 2) ** 2 + np.cos(v) * np.cos(w) * np.sin(u / 2) ** 2
-        t = np.degrees(2 * np.arcsin(np.sqrt(np.minimum(half, 1.0))))
-        total += light(np.minimum(t, 100.0)) / 16
-    v = (py + 0.5) * step - math.pi / 2
-    return total * step * step * math.cos(v)
+# -- bars ----------------------------------------------------------------------------
 
 
-def spheres():
-    h = 1024
-    print("| lat-long 2048x1024 | lamp | 99 % within | bound | light kept |\n|---|---|---|---|---|")
-    solid = np.cos((np.arange(h) + 0.5) * math.pi / h - math.pi / 2)[:, None]
-    row, column = np.mgrid[0:h, 0:2 * h]
-    whole = sphere(MODELS["eye"])
-    with tempfile.TemporaryDirectory() as folder:
-        frame, layer, report = (os.path.join(folder, n) for n in ("f.pfm", "l.pfm", "r"))
-        for px, py in ((1024, 512), (0, 512), (2047, 511), (512, 200), (0, 820), (2047, 100),
-                       (190, 15), (1300, 5), (630, 1), (0, 0), (1536, 1023), (2047, 1010)):
-            image = np.zeros((h, 2 * h, 3), np.float32)
-            image[py, px] = 1e6
-            write(frame, image)
-            subprocess.run([GLAREPP, "-q", "-t", "0", "--threshold-mode", "whole", "-e",
-                            "fft", "-k", "eye", "--projection", "latlong", "--layer",
-                            layer, "--report", report, frame], check=True)
-            got = read(layer) / 1e6
-            with open(report, encoding="utf-8") as f:
-                bound = json.loads(f.readline())["bound_angle"]
-            v, w = ((n + 0.5) * math.pi / h - math.pi / 2 for n in (row, py))
-            u = (column - px) * math.pi / h
-            away = np.sin((v - w) / 2) ** 2 + np.cos(v) * np.cos(w) * np.sin(u / 2) ** 2
-            veil = away > (2 * math.pi / h) ** 2
-            want = sphere_definition(MODELS["eye"], h, px, py) / whole
-            print("| | %d, %d | %.2f %% | %.1e | %.5f |" %
-                  (px, py, 100 * np.quantile(abs(got[veil] / want[veil] - 1), 0.99), bound,
-                   (got * solid).sum() / math.cos(w)))
+def lamps(glarepp, folder):
+    ways = (("default options", (), 1e-3), ("--tolerance 1e-5", ("--tolerance", "1e-5"), 1e-5),
+            ("levels alone", ("-e", "fft"), None),
+            ("levels alone, 1e-5", ("-e", "fft", "--tolerance", "1e-5"), None))
+    y, x = (g.ravel() for g in np.mgrid[0:H, 0:W])
+    for fov in 30, 40, 60, 90, 120:
+        view = perspective(pixel_width(fov, H), W, H)
+        for model, light in MODELS.items():
+            worst, of_bound = {name: 0.0 for name, *_ in ways}, 0.0
+            for place in 0.5, 0.75, 0.98:
+                px, py = int(W * place), int(H * place)
+                away = np.hypot(x - px, y - py)
+                want = definition(light, view, (x, y), (px, py), away)
+                for name, words, _ in ways:
+                    got, facts = glare(glarepp, folder, lamp(W, H, px, py), *LONE, "-k", model,
+                                       "--fov", str(fov), *words)
+                    got = got[:, :, 1].ravel() / 1e6
+                    worst[name] = max(worst[name], rel_l2(got[away >= 4], want[away >= 4]))
+                    of_bound = max(of_bound, rel_l2(got, want) / facts["bound"])
+            for name, _, bar in ways:
+                yield "lamp, %d degrees, %s, %s: rel_l2" % (fov, model, name), worst[name], bar
+            yield "  over its bound, all pixels", of_bound, 1
 
 
-def views():
-    """A lat-long's glare as a perspective shows it, against the glare of that view."""
+def camera(stem):
+    """The width of a pixel by a frame's own camera, at a distance of 1."""
+    with open(stem + ".camera.json", encoding="utf-8") as f:
+        facts = json.load(f)
+    m = np.array(facts["frames"][0]["worldToNDC_blender_colvec"]).reshape(4, 4)[:, :3]
+    return 2 / facts["height"] * np.linalg.norm(m[3]) / np.linalg.norm(m[1])
+
+
+def of_data(glarepp, folder):
+    if not os.path.isdir(DATA):
+        yield "frames of the data: left out, no folder " + DATA, None, None
+        return
+    import OpenImageIO as oiio
+    rng, n = np.random.default_rng(5), 400
+    bands = (0, folded(4, 0, 0.05, 0.2, 0.5, 0.8, 0.95, 1)), (2, NEAR), (9, FAR)
+    for stem in "rendered/night", "scenes/street", "scenes/forest", "rendered/window":
+        name, k = os.path.basename(stem), camera(os.path.join(DATA, stem))
+        path = os.path.join(DATA, stem + ".1001.exr")
+        image = oiio.ImageBuf(path).get_pixels(oiio.FLOAT)[:, :, :3].astype(float)
+        h, w = image.shape[:2]
+        view = perspective(k, w, h)
+        lum = image @ (0.2126390, 0.7151687, 0.0721923)
+        sy, sx = np.nonzero(lum > 1)
+        light = image[sy, sx] * (1 - 1 / lum[sy, sx])[:, None]
+        order = np.argsort(-lum.ravel(), kind="stable")
+        pick = np.concatenate([order[:n], rng.choice(order[n:], n, False)])
+        weight = np.repeat([1, (w * h - n) / n], n)[:, None]
+        want = np.array([definition(MODELS["eye"], view, (i % w, i // w), (sx, sy),
+                                    np.maximum(abs(sx - i % w), abs(sy - i // w)), bands) @ light
+                         for i in pick])
+        got, facts = glare(glarepp, folder, path, "-k", "eye")
+        got = got.reshape(-1, 3)[pick]
+        off = rel_l2(got, want, weight)
+        yield "%s, %d sources: rel_l2" % (name, len(sx)), off, 1e-3
+        yield "  95 % of pixels' veil within", \
+            np.quantile(abs(got[n:, 1] / want[n:, 1] - 1), 0.95), 5e-3
+        yield "  rel_l2 over its bound", off / facts["bound"], 1
+
+
+def spheres(glarepp, folder):
+    h, places = 1024, ((1024, 512), (0, 512), (2047, 511), (512, 200), (0, 820), (2047, 100),
+                       (190, 15), (1300, 5), (630, 1), (0, 0), (1536, 1023), (2047, 1010))
+    view, step = latlong(h), math.pi / h
+    y, x = (g.ravel() for g in np.mgrid[0:h, 0:2 * h])
+    far, (at, solid) = np.random.default_rng(7).random(x.size) < 0.1, view(x, y)
+    most = worst = kept = 0.0
+    for px, py in places:
+        got, _ = glare(glarepp, folder, lamp(2 * h, h, px, py), *LONE, "-k", "eye",
+                       "--projection", "latlong")
+        got = got[:, :, 1].ravel() / 1e6
+        kept = max(kept, abs(got @ solid / solid[py * 2 * h] - 1))
+        away = np.sqrt(sum((a - b) ** 2 for a, b in zip(at, view(px, py)[0]))) / step
+        pick = np.flatnonzero((away >= 4) & (far | (away < 40)))
+        off = abs(got[pick] / definition(MODELS["eye"], view, (x[pick], y[pick]), (px, py),
+                                         away[pick]) - 1)
+        most, worst = max(most, np.quantile(off[far[pick]], 0.99)), max(worst, off.max())
+    yield "lat-long 2048x1024, a lamp in 12 places: 99 % of pixels' veil within", most, 3e-3
+    yield "  its worst pixel's, 4 rows and more away", worst, None
+    yield "  light that is not kept, or too much", kept, 1e-3
+
+
+def views(glarepp, folder):
+    """A lat-long's glare as a perspective shows it, against the glare of that view with what
+    is 60 degrees beside it."""
     h, fov, wide, size = 1024, 40, 100, (288, 512)
     rng = np.random.default_rng(3)
-    sphere_light = np.zeros((h, 2 * h, 3), np.float32)
+    light = np.zeros((h, 2 * h, 3), np.float32)
     for _ in range(40):  # lamps of 5x5 pixels before the camera
         y, x = rng.integers(h // 3, 2 * h // 3), rng.integers(2 * h // 3, 4 * h // 3)
-        sphere_light[y:y + 5, x:x + 5] = rng.random() * 1e4
+        light[y:y + 5, x:x + 5] = rng.random() * 1e4
 
-    def directions(height, width, angle, parts):
-        k = 2 * math.tan(math.radians(angle / 2)) / height
-        y, x = np.mgrid[0:height * parts, 0:width * parts]
-        x, y = (((n + 0.5) / parts - m / 2) * k for n, m in ((x, width), (y, height)))
-        return np.arctan2(x, 1) * h / math.pi + h, \
-            np.arctan2(y, np.hypot(x, 1)) * h / math.pi + h / 2
-
-    with tempfile.TemporaryDirectory() as folder:
-        frame, layer = folder + "/f.pfm", folder + "/l.pfm"
-
-        def glare(image, *words):
-            write(frame, image)
-            subprocess.run([GLAREPP, "-q", "-t", "0", "--threshold-mode", "whole", "-k",
-                            "eye", "--edges", "black", "--layer", layer, *words, frame],
-                           check=True)
-            return read(layer)
-        over = [round(n * math.tan(math.radians(wide / 2)) /
-                      math.tan(math.radians(fov / 2)) / 2) * 2 for n in size]
-        angle = 2 * math.degrees(math.atan(math.tan(math.radians(fov / 2)) *
-                                           over[0] / size[0]))
-        x, y = (n.astype(int) for n in directions(*over, angle, 8))
-        seen = sphere_light[y, x].reshape(over[0], 8, over[1], 8, 3).mean((1, 3))
-        want = glare(seen, "--projection", "perspective", "--fov", str(angle))
-        top, left = ((o - n) // 2 for o, n in zip(over, size))
-        want, lit = (a[top:top + size[0], left:left + size[1]] for a in (want, seen))
-        got = glare(sphere_light, "--projection", "latlong")
-        x, y = (n - 0.5 for n in directions(*size, fov, 1))
-        i, j = np.floor(x).astype(int), np.floor(y).astype(int)
-        x, y = x - i, y - j
-        got = (1 - y) * ((1 - x) * got[j, i] + x * got[j, i + 1]) + \
-            y * ((1 - x) * got[j + 1, i] + x * got[j + 1, i + 1])
-        lit = lit[:, :, 1] > 0
-        near = lit.copy()
-        for _ in range(12):  # pixels around lamps, which both round to their own
-            near[1:] |= near[:-1].copy()
-            near[:-1] |= near[1:].copy()
-            near[:, 1:] |= near[:, :-1].copy()
-            near[:, :-1] |= near[:, 1:].copy()
-        off = (got - want)[~near]
-        print("lat-long cut into a view of %g degrees, 12 pixels and more from lamps: "
-              "rel_l2 %.1e, 95 %% of pixels within %.2f %%" %
-              (fov, math.sqrt((off ** 2).sum() / (want[~near] ** 2).sum()),
-               100 * np.quantile(abs(off) / want[~near], 0.95)))
+    def places(k, height, width, parts):
+        """Of a view's pixels on the sphere, or of their parts."""
+        y, x = np.mgrid[0:height * parts, 0:width * parts] / parts + (0.5 / parts - 0.5)
+        (x, y, z), _ = perspective(k, width, height)(x, y)
+        return np.arctan2(x, z) * h / math.pi + h, np.arcsin(y) * h / math.pi + h / 2
+    k = pixel_width(fov, size[0])
+    over = [round(n * math.tan(math.radians(wide / 2)) / math.tan(math.radians(fov / 2)) / 2) * 2
+            for n in size]
+    x, y = (n.astype(int) for n in places(k, *over, 8))
+    seen = light[y, x].reshape(over[0], 8, over[1], 8, 3).mean((1, 3))
+    want, _ = glare(glarepp, folder, seen, *LONE, "-k", "eye", "--projection", "perspective",
+                    "--fov", str(2 * math.degrees(math.atan(k * over[0] / 2))))
+    got, _ = glare(glarepp, folder, light, *LONE, "-k", "eye", "--projection", "latlong")
+    top, left = ((o - n) // 2 for o, n in zip(over, size))
+    want, lit = (a[top:top + size[0], left:left + size[1], 1] for a in (want, seen))
+    x, y = (n - 0.5 for n in places(k, *size, 1))
+    i, j = np.floor(x).astype(int), np.floor(y).astype(int)
+    x, y, got = x - i, y - j, got[:, :, 1]
+    got = (1 - y) * ((1 - x) * got[j, i] + x * got[j, i + 1]) + \
+        y * ((1 - x) * got[j + 1, i] + x * got[j + 1, i + 1])
+    y, x = np.nonzero(lit)  # around lamps both round to pixels of their own
+    near = np.zeros(size, bool)
+    for a, b in np.ndindex(25, 25):
+        near[np.clip(y + a - 12, 0, size[0] - 1), np.clip(x + b - 12, 0, size[1] - 1)] = True
+    yield "lat-long cut into a view of 40 degrees, 12 pixels and more from lamps: rel_l2", \
+        rel_l2(got[~near], want[~near]), 1e-2
 
 
-def speed_row(folder, frames, fov, way, runs, *head, words=("-k", "eye"), own=()):
-    """Prints times of a projection, which has its own words, over the plane's, runs in
-    turn."""
-    rows = {"plane": [], way: []}
-    for _ in range(runs):
-        for name, found in rows.items():
-            subprocess.run([GLAREPP, "-q", *words, *(own if name == way else ()),
-                            "--fov", str(fov), "--projection", name,
-                            "--layer", folder + "/l.@.pfm", "--report", folder + "/r",
-                            os.path.join(folder, frames)], check=True)
-            with open(folder + "/r", encoding="utf-8") as f:
-                found.append([json.loads(line) for line in f])
-    ms, first, kernel, memory = (
-        {name: statistics.median(get(r) for run in found for r in run[part])
-         for name, found in rows.items()}
-        for part, get in ((slice(1, None), lambda r: r["times_ms"]["glare"]),
-                          (slice(1), lambda r: r["times_ms"]["glare"]),
-                          (slice(1), lambda r: r["times_ms"]["kernel"]),
-                          (slice(-1, None), lambda r: r["peak_rss_mib"])))
-    print("| %s | %.1f | %.2f | %.2f | %.1f, %.1f | %.2f |" %
-          (" | ".join(head), ms["plane"], ms[way] / ms["plane"],
-           first[way] / first["plane"], kernel["plane"], kernel[way],
-           memory[way] / memory["plane"]))
+def timed(glarepp, folder, frames, runs, ways):
+    """The glare stage of each way over that of the first, and its memory."""
+    rows = {name: [] for name in ways}
+    for name in list(ways) * runs:
+        rows[name].append(run(glarepp, folder + "/r", "--layer", folder + "/" + name + ".@.pfm",
+                              *ways[name], frames))
+    ms = {name: [statistics.median(r["times_ms"]["glare"] for r in reports[1:])
+                 for reports in found] for name, found in rows.items()}
+    first = next(iter(ways))
+    return {name: statistics.median(a / b for a, b in zip(ms[name], ms[first])) for name in ways}, \
+        {name: found[0][0] for name, found in rows.items()}
 
 
-def sphere_speeds():
-    print("| lat-long 4096x2048 | ms, plane | latlong, over it | first frame | kernel, ms | "
-          "memory |\n|---|---|---|---|---|---|")
+def speeds(glarepp, folder, frames):
+    plane = ("-k", "eye", "--projection", "plane")
+    for name in "w1", "w2", "w3":
+        for i in range(1, 5):
+            os.symlink(os.path.join(frames, name + "_1920.exr"),
+                       os.path.join(folder, "%s.%d.exr" % (name, i)))
+    for fov, bar in (20, 1.02), (40, 1.5), (90, 2.0):
+        for name in "w1", "w2", "w3":
+            ratio, _ = timed(glarepp, folder, folder + "/" + name + ".@.exr", 5, {
+                "plane": (*plane, "--fov", str(fov)), "true": ("-k", "eye", "--fov", str(fov))})
+            yield "glare stage over a plane's, 1920x1080, %s, %d degrees" % (name, fov), \
+                ratio["true"], bar
+    for name in "w1", "w2", "w3":
+        words = ("--threads", "1", "--fov", "30")
+        ratio, _ = timed(glarepp, folder, folder + "/" + name + ".@.exr", 1, {
+            "plane": (*words, "--projection", "plane"), "true": (*words, "--tolerance", "0.01")})
+        yield "  the default style, --tolerance 0.01, one thread, %s, 30 degrees" % name, \
+            ratio["true"], None
+    ratio, facts = timed(glarepp, folder, folder + "/w2.@.exr", 9, {
+        "given": ("-k", "eye", "--fov", "30"), "assumed": ("-k", "eye")})
+    yield "w2 without --fov: the report does not say that it is assumed", \
+        int(facts["assumed"]["fov_from"] != "default"), 0
+    yield "  layers that differ from those of --fov 30", \
+        sum(not filecmp.cmp(*("%s/%s.%d.pfm" % (folder, name, i) for name in ratio), False)
+            for i in range(1, 5)), 0
+    yield "  glare stage over that of --fov 30", ratio["assumed"], 1.02
+    for name in "w1", "w2", "w3":
+        frame = os.path.join(frames, name + "_3840.exr")
+        mib = [run(glarepp, folder + "/r", *words, "-k", "eye", "--fov", "90", "--layer",
+                   folder + "/l.pfm", frame)[0]["peak_rss_mib"]
+               for words in ((), ("--projection", "plane"))]
+        yield "memory over a plane's, 3840x2160, %s, 90 degrees" % name, mib[0] / mib[1], 1.25
+
+
+def sphere_speeds(glarepp, folder):
     rng = np.random.default_rng(1)
+    for name, side, share in ("lamps", 1, 1e-4), ("windows", 8, 0.03), ("sky", 8, 0.4):
+        image = rng.random((2048, 4096, 3), np.float32) * 0.5
+        lit = rng.random((2048 // side, 4096 // side)) < share
+        image[np.kron(lit, np.ones((side, side), bool))] *= 100.0
+        for i in range(1, 4):
+            write(folder + "/s.%d.pfm" % i, image)
+        plane = ("-k", "eye", "--fov", "150", "--projection", "plane")
+        ratio, facts = timed(glarepp, folder, folder + "/s.@.pfm", 3, {
+            "plane": (*plane, "-e", "fft"), "auto": plane,
+            "true": ("-k", "eye", "--projection", "latlong")})
+        yield "glare stage over a plane's fft, lat-long 4096x2048, %s" % name, ratio["true"], 2.5
+        yield "  over what auto takes on a plane, %s" % facts["auto"]["engine"], \
+            ratio["true"] / ratio["auto"], None
+
+
+def hard(glarepp):
+    tests = os.path.join(os.path.dirname(glarepp), "tests")
+    for words in ("glare", "sky"), ("glare", "sphere"), ("hardcases", "field"):
+        p = subprocess.run([os.path.join(tests, words[0]), words[1]], capture_output=True,
+                           env={**os.environ, "GLAREPP_TEST_QUICK": "1"}, text=True)
+        failed = p.stdout.count("[  FAILED  ]") + p.stderr.count("[  FAILED  ]")
+        yield "hard cases of each projection, tests/%s %s: failures" % words, \
+            max(failed, int(p.returncode != 0)), 0
+
+
+def bars(glarepp):
+    """Rows: text, measured, bar or None."""
     with tempfile.TemporaryDirectory() as folder:
-        for name, side, share in ("lamps", 1, 1e-4), ("windows", 8, 0.03), ("sky", 8, 0.4):
-            image = rng.random((2048, 4096, 3), np.float32) * 0.5
-            lit = rng.random((2048 // side, 4096 // side)) < share
-            image[np.kron(lit, np.ones((side, side), bool))] *= 100.0
-            for i in range(1, 4):
-                write(folder + "/s.%d.pfm" % i, image)
-            speed_row(folder, "s.@.pfm", 150, "latlong", 2, name)
-
-
-def speeds(frames):
-    print("| fov | frame | ms, plane | perspective, over it | first frame | kernel, ms | "
-          "memory |\n|---|---|---|---|---|---|---|")
-    with tempfile.TemporaryDirectory() as folder:
-        for name in "w1", "w2", "w3":
-            for i in range(1, 6):
-                os.symlink(os.path.join(os.path.abspath(frames), name + "_1920.exr"),
-                           os.path.join(folder, "%s.%d.exr" % (name, i)))
-        for fov in 20, 40, 90:
-            for name in "w1", "w2", "w3":
-                speed_row(folder, name + ".@.exr", fov, "perspective", 3, str(fov), name)
-        # the default style, one thread, one weight a node
-        for name in "w1", "w2", "w3":
-            speed_row(folder, name + ".@.exr", 30, "perspective", 3, "30, 0.01", name,
-                      words=("--threads", "1"), own=("--tolerance", "0.01"))
-
-
-if __name__ == "__main__":
-    main()
-    spheres()
-    views()
-    if len(sys.argv) > 2:
-        speeds(sys.argv[2])
-        sphere_speeds()
+        frames = os.path.abspath(os.environ.get("FRAMES") or folder + "/frames")
+        if not os.path.exists(frames + "/w3_3840.exr"):
+            os.makedirs(frames, exist_ok=True)
+            subprocess.run([sys.executable, ROOT + "/tests/bench/frames.py", frames], check=True)
+        for part in lamps, of_data, spheres, views:
+            yield from part(glarepp, folder)
+        yield from speeds(glarepp, folder, frames)
+        yield from sphere_speeds(glarepp, folder)
+        yield from hard(glarepp)

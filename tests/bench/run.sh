@@ -28,7 +28,7 @@ echo "# glare stage, the first frame of a run against later ones"
 /usr/bin/python3 "$here/first.py" "$glarepp" "$frames"
 
 echo "# true angles: their error, and their time over a plane's"
-/usr/bin/python3 "$here/angles.py" "$glarepp" "$frames"
+FRAMES=$frames /usr/bin/python3 "$here/bars.py" "$glarepp" angles || true
 
 echo "# CPU of the sensors, with lights that are found"
 /usr/bin/python3 "$here/lights.py" "$glarepp" "$frames" "$runs"
