@@ -39,10 +39,12 @@ double gp_cie_general(double age, double p, double t)
            0.0025 * p;
 }
 
+static const double width[2] = {0.0046, 0.045}; // of both peaks, degrees
+
 /* Peak i of the total. */
 static double cie_peak(const struct cie *e, int i, double t)
 {
-    static const double height[2] = {9.2e6, 1.5e5}, width[2] = {0.0046, 0.045};
+    static const double height[2] = {9.2e6, 1.5e5};
     const double a = e->age / 70.0, left = 1.0 - e->less[i];
     const double u = t * left / width[i], x = 1.0 + u * u;
     return (1.0 - 0.08 * a * a * a * a) * height[i] * left * left * left /
@@ -73,12 +75,6 @@ static void cie_profile(const void *ctx, double t, double out[3])
     out[0] = gp_plane_factor(t) * cie_sky(ctx, t);
 }
 
-static void peak_profile(const void *ctx, double t, double out[3])
-{
-    for (int i = 0; i < 2; i++)
-        out[i] = gp_plane_factor(t) * cie_peak(ctx, i, t);
-}
-
 enum { TOTAL, GENERAL };
 static const char *const equations[] = {"total", "general", NULL};
 
@@ -104,15 +100,17 @@ static struct cie cie_of(const struct gp_recipe *r, bool sphere, double *light)
         .pigment = gp_recipe_value(r, "pigment"),
         .general = (int) gp_recipe_value(r, "equation") == GENERAL,
     };
-    double sum[3], peak[3];
+    double sum[3];
     gp_profile_integral(cie_profile, &e, 1, 0.0, 90.0, sum);
-    gp_profile_integral(peak_profile, &e, 2, 0.0, 90.0, peak);
     for (double t = 90.5; sphere && t < 180.0; t += 1.0)
         sum[0] += cie_sky(&e, fmin(t, 100.0)) * 2.0 * M_PI *
                   gp_sin(t * M_PI / 180.0) * (M_PI / 180.0);
     for (int i = 0; i < 2 && !e.general; i++) {
-        e.less[i] = fmin((sum[0] - 1.0) / peak[i], MOST);
-        sum[0] -= e.less[i] * peak[i];
+        // (a narrower peak ends as it did, so that its light is a plane's)
+        const double a = width[i] * (M_PI / 180.0);
+        const double peak = 2.0 * M_PI * a * a * cie_peak(&e, i, 0.0);
+        e.less[i] = fmin((sum[0] - 1.0) / peak, MOST);
+        sum[0] -= e.less[i] * peak;
     }
     *light = sum[0];
     return e;
