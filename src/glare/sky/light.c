@@ -7,11 +7,12 @@
 #include <math.h>
 #include <string.h>
 
+static const double LAST = 100.0; // degrees
+
 /* Light per steradian of model i. No formula reaches farther than 100 degrees: light
  * from behind is as from there. */
 static double light_of(const struct gp_sky_params *p, int i, double chord2)
 {
-    static const double LAST = 100.0;
     const double t =
         2.0 * gp_asin(0.5 * sqrt(fmin(chord2, 4.0))) * (180.0 / M_PI);
     return p->part[i].light(&p->part[i], fmin(t, LAST));
@@ -22,9 +23,10 @@ static double sphere_of(const struct gp_sky_params *p, int i)
 {
     enum { OCTAVES = 64 };
     const struct gp_gauss *const g = gp_gauss_rule(12);
-    double sum = 0.0;
+    const double last = 2.0 - 2.0 * gp_cos(LAST * M_PI / 180.0);
+    double sum = M_PI * (4.0 - last) * light_of(p, i, 4.0); // from behind
     for (int k = 0; k < OCTAVES; k++) {
-        const double to = ldexp(4.0, -k),
+        const double to = ldexp(last, -k),
                      from = k < OCTAVES - 1 ? 0.5 * to : 0.0;
         for (int q = 0; q < g->n; q++)
             sum += g->weight[q] * (to - from) * M_PI *
