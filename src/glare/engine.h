@@ -122,6 +122,7 @@ struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
     bool warned;     // that no engine keeps the tolerance
     struct gp_far_state *far;
+    struct gp_cosines_kept *cosines;
     struct gp_outside *outside; // NULL at first
     struct gp_kernel whole; // of the kernel `whole_of`, for frames of that size
     unsigned long whole_of;

@@ -228,15 +228,15 @@ static gp_status add_exact(const struct gp_log *log, struct drawing *d)
     gp_status st = gp_alloc_zero(log, "layer", 3 * w * h, sizeof *sum, &sum);
     if (st)
         return st;
-    gp_sky_exact(d->kernel->sky, src, sum);
-    for (size_t i = 0; i < 3 * h; i++) {
+    st = gp_sky_exact(log, d->kernel->sky, src, sum);
+    for (size_t i = 0; i < 3 * h && !st; i++) {
         float *const to = d->f->layer.c[i / h] + i % h * w;
         for (size_t x = 0; x < w; x++)
             to[x] = (float) ((double) to[x] + sum[i * w + x]);
         gp_sky_cut_row(d->kernel->sky, (int) (i % h), to);
     }
     gp_free(sum);
-    return GP_OK;
+    return st;
 }
 
 /* Draws by true angles, with a kernel's core where that is more than what stays in
@@ -257,9 +257,11 @@ static gp_status draw_sky(const struct gp_log *log,
         st = gp_engines[engine->engine]->run(req, &d->g->state[engine->engine]);
     if (st || req->exact)
         return st ? st : add_exact(log, d);
-    req->stats->bound_angle = gp_sky_error_of(d->kernel->sky)->relative;
+    const struct gp_sky_error *const error = gp_sky_error_of(d->kernel->sky);
+    req->stats->bound_angle =
+        error->cosines > 0.0 ? req->floor : error->relative;
     if (alone)
-        req->stats->engine = "levels";
+        req->stats->engine = gp_sky_way(k->sky);
     rest->added = rest->add != NULL;
     return gp_sky_add(log, k->sky,
                       &(struct gp_sky_drawing) {
@@ -269,6 +271,8 @@ static gp_status draw_sky(const struct gp_log *log,
                           .rest = rest->add,
                           .ctx = rest->ctx,
                           .layer = &d->f->layer,
+                          .last = d->params.last,
+                          .kept = &d->g->cosines,
                       });
 }
 
@@ -435,6 +439,7 @@ void gp_glare_close(struct gp_glare *g)
     }
     gp_outside_free(&g->outside);
     gp_far_close(&g->far);
+    gp_cosines_kept_free(&g->cosines);
     gp_kernel_free(&g->whole);
     g->whole_of = 0;
 }

@@ -2,6 +2,7 @@
 /* Chooses an engine. */
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
+#include "glare/sky/sky.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -150,7 +151,7 @@ static gp_status try_whole(const struct gp_glare_request *req,
 static const char *drawn_by(const struct gp_glare_request *req,
                             const struct gp_choice *c)
 {
-    return req->kernel->sky && !c->whole ? "levels"
+    return req->kernel->sky && !c->whole ? gp_sky_way(req->kernel->sky)
                                          : gp_engines[c->engine]->name;
 }
 

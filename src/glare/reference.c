@@ -178,7 +178,7 @@ static gp_status sum_all(const struct gp_log *log,
             layer[i] = layer[n + i] = layer[2 * n + i] = (double) NAN;
     }
     if (k->sky)
-        gp_sky_exact(k->sky, src, layer);
+        GP_TRY(gp_sky_exact(log, k->sky, src, layer));
     if (edges)
         GP_TRY(gp_beyond_find(log, edges, &beyond));
     GP_TRY(gp_beyond_add_exact(log, beyond, all, layer));

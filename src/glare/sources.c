@@ -205,6 +205,22 @@ gp_status gp_sources_join(const struct gp_log *log,
     return GP_OK;
 }
 
+gp_status gp_sources_list(const struct gp_log *log, const struct gp_sources *s,
+                          struct gp_source **out)
+{
+    struct gp_source *list;
+    const gp_status st = gp_alloc(log, "layer", s->n, sizeof *list, &list);
+    if (st)
+        return st;
+    for (int y = 0; y < s->h; y++) {
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
+            list[i] = (struct gp_source) {
+                s->x[i], y, {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]}};
+    }
+    *out = list;
+    return GP_OK;
+}
+
 gp_status gp_sources_planes(const struct gp_log *log,
                             const struct gp_sources *s, struct gp_planes *p)
 {

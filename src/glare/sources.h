@@ -110,6 +110,12 @@ GP_MUST_CHECK gp_status gp_sources_mask(const struct gp_log *log,
                                         const struct gp_plane *mask,
                                         struct gp_sources *out);
 
+/* Makes a list of all sources, n of them, 1 at least; owned by the caller. Errors:
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sources_list(const struct gp_log *log,
+                                        const struct gp_sources *s,
+                                        struct gp_source **out);
+
 /* The sources as full planes (w * h, 0 where dark), for engines that need
  * an image and for --debug sensors. `p` is made. */
 GP_MUST_CHECK gp_status gp_sources_planes(const struct gp_log *log,

@@ -277,8 +277,11 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
     const double far = req->far ? gp_far_error_of(req->far)->norm : 0.0;
-    const double wrong = // the far field's error: of sources' light
-        far * sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
+    const double splines =
+        k->sky && !req->exact ? gp_sky_error_of(k->sky)->cosines : 0.0;
+    const double wrong = // the far field's error, and theirs: of sources' light
+        (far + splines) *
+        sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
     const double outer = k->sky ? gp_sky_error_of(k->sky)->outside : 0.0;
     const double beyond = // and of light from beyond the border
         (far + outer) * gp_beyond_most(req->beyond) *

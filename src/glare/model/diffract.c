@@ -135,7 +135,9 @@ static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
         gp_parallel_do(f.m.blocks, finish_columns, &f);
         st = gp_fft_rows_out(&fft, &f.m, rows, store_samples, &f);
     }
-    for (size_t i = 0; i < (size_t) out->w * (size_t) out->h && !st; i++) {
+    // of nodes the pixel is folded, which is the sum of many
+    const size_t n = luminance ? (size_t) out->w * (size_t) out->h : 0;
+    for (size_t i = 0; i < n && !st; i++) {
         double v[3] = {0};
         for (int c = 0; c < s->channels; c++)
             v[c] = (double) out->k.c[c][i];
@@ -194,6 +196,7 @@ struct spikes {
     double turn, fan;              // radians clockwise, as y is down; half of
                                    // the fan
     double width[3], soft[3];      // of a straight edge; squared over t
+    double nodes;                  // that a pixel is wide
     double from, reach;            // they fade between: left_at()
     double strength[3];            // by channel, of 1 / t^2
 };
@@ -244,7 +247,8 @@ static void spikes_at(const struct spikes *k, const double pixel[2], double x,
 {
     const double t = gp_hypot(x, y), at = gp_atan2(y, x);
     // the pixel's square, as boxes along its sides seen along the spike
-    const double a = pixel[0] * fabs(y) / t, b = pixel[1] * fabs(x) / t;
+    const double a = k->nodes * pixel[0] * fabs(y) / t;
+    const double b = k->nodes * pixel[1] * fabs(x) / t;
     const double wide = fmax(a, b), thin = fmin(a, b);
     const double fan = fmax(2.0 * k->fan * t, 0.1 * wide);
     const double light = pixel[0] * pixel[1] / (t * t * fan);
@@ -458,7 +462,8 @@ static void share_out(struct joined *s, const struct directions *d)
 }
 
 /* The spikes of d's blades, if they go on beyond `reach`. */
-static struct spikes spikes_of(const struct gp_diffraction *d, double reach)
+static struct spikes spikes_of(const struct gp_diffraction *d, double reach,
+                               double nodes)
 {
     static const double waves[3] = {610.0, 550.0, 465.0}; // nm, of channels
     const struct gp_blades *const b = &d->blades;
@@ -467,6 +472,7 @@ static struct spikes spikes_of(const struct gp_diffraction *d, double reach)
     if (!k.n)
         return k;
     k.turn = -b->turn;
+    k.nodes = fmax(nodes, 1.0);
     k.fan = gp_asin(fmin(0.5 * b->length / b->bend, 1.0));
     k.from = d->sampled * d->reach;
     k.reach = d->reach;
@@ -504,7 +510,7 @@ static gp_status join(const struct gp_log *log,
     s->from = d->sampled * reach;
     s->reach = reach;
     s->near = *shape;
-    s->spikes = spikes_of(d, reach);
+    s->spikes = spikes_of(d, reach, f->nodes);
     measure(s, r[0], r[1], by, sum);
     share_out(s, by);
     gp_free(by);
@@ -570,6 +576,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     struct gp_spectra s = {0};
     struct gp_transform t[2] = {{0}, {0}};
     struct gp_shape shape = {0};
+    double finest[3] = {0};
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
     const double corner = gp_hypot(pixel[0] * f->w, pixel[1] * f->h);
@@ -579,7 +586,9 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
         (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell * 0.95 * 180.0 / M_PI;
     const double reach = fmin(d->reach, resolved);
     for (int i = 0; i < 2; i++) {
-        slices[i] = (int) fmin(ceil(LEAST_REACH * pixel[i] / reach), 1e8);
+        slices[i] = f->nodes > 0.0
+                        ? 1 // D is wide
+                        : (int) fmin(ceil(LEAST_REACH * pixel[i] / reach), 1e8);
         pixel[i] /= slices[i];
         r[i] = (int) fmin(ceil(reach / pixel[i]),
                           slices[i] > 1 ? LEAST_REACH * 2.0 : size[i] - 1);
@@ -596,8 +605,11 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_TRY(gp_fft_pair_make(log, period[0], period[1], true, t));
     GP_TRY(gp_samples_make(log, s.channels, r[0], r[1], &shape));
     const bool sliced = slices[0] > 1 || slices[1] > 1; // nothing goes on
-    GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9, f->luminance,
-                  shape.state));
+    if (f->nodes > 0.0)
+        gp_finest_take(&s, period, f->nodes, finest);
+    GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9,
+                  f->nodes > 0.0 ? NULL : f->luminance, shape.state));
+    memcpy(shape.own, finest, sizeof shape.own);
     if (!sliced && corner > d->sampled * reach)
         GP_TRY(join(log, d, r, reach, f, &shape));
     *out = shape;

@@ -34,10 +34,13 @@ struct mixture {
     struct gp_shape shape[GP_RECIPES];
     double share[GP_RECIPES];
     double stays;        // light that stays in its pixel: delta's
+    double own[3]; // and openings', by channel, whose rest goes by cosines
     struct tint tint;
     bool image;          // a shape is of an image, whose tint is its own
     int n;
     bool grey, even, negative;
+    double nodes;        // samples are nodes, so many a pixel; else 0
+    double wrong;        // of nodes: gp_nodes_divide()'s
     int reach;           // of the widest shape
     // shapes that go on smoothly over the whole field: how many; whether their
     // far parts are the whole mixture; both as struct gp_shape's
@@ -92,7 +95,14 @@ static gp_status open_shape(const struct gp_log *log,
     return r->model->open(log, r, field, out);
 }
 
-/* Opens shapes, but of models of the angle where `sky` is to have these. */
+/* An opening that diffracts. */
+static bool is_opening(const struct gp_recipe *r)
+{
+    return r->model == &gp_model_aperture;
+}
+
+/* Opens shapes, but of models of the angle where `sky` is to have these, and openings
+ * where it has cosines. */
 static gp_status open_mixture(const struct gp_log *log,
                               const struct gp_recipe *r, int n,
                               const struct gp_field *field,
@@ -106,6 +116,8 @@ static gp_status open_mixture(const struct gp_log *log,
     for (int i = 0; i < n; i++) {
         const double share = gp_recipe_value(&r[i], "share");
         sum += share;
+        if (sky && sky->cosines && is_opening(&r[i]))
+            continue;
         if (sky && r[i].model->angular && !gp_recipe_adapts(&r[i]) &&
             r[i].model->angular(&r[i], field, &sky->part[sky->n])) {
             sky->share[sky->n++] = share;
@@ -329,13 +341,22 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
         return st;
     gp_parallel_do(m->even ? f.ry + 1 : rows, make_row, &f);
     const size_t centre = n / 2;
-    if (!m->tint.known)
+    if (!m->tint.known) {
         st = find_tint(log, m, &f.k, n, centre, far, weight);
+        for (int c = 0; c < 3; c++)
+            m->tint.stays[c] += m->own[c];
+    }
     if (st) {
         gp_planes_free(&f.k);
         return st;
     }
     use_tint(&m->tint, weight, n, centre, &f.k);
+    if (m->nodes > 0.0)
+        st = gp_nodes_divide(log, columns, rows, m->nodes, &f.k, &m->wrong);
+    if (st) {
+        gp_planes_free(&f.k);
+        return st;
+    }
     return gp_kernel_of_planes(log, "kernel", columns, rows, &f.k, out);
 }
 
@@ -372,6 +393,107 @@ struct gp_field gp_field_of(const struct gp_image *f, double fov)
     return field;
 }
 
+/* Makes the kernel of a mixture, split into a core and a far field. */
+static gp_status make_split(const struct gp_log *log,
+                            const struct gp_field *field, struct mixture *m,
+                            struct gp_kernel *out)
+{
+    struct gp_far_field *far = NULL;
+    struct gp_far_split split = choose_split(m, field->w, field->h);
+    gp_status st;
+    // a coarser grid: measured rel_l2 1e-7 at the usual step, up to 5e-5 at four
+    // times that (engines.t)
+    split.step *= field->tolerance > 0.05    ? 4
+                  : field->tolerance > 0.005 ? 2
+                                             : 1;
+    if (split.step)
+        GP_TRY(gp_far_make(
+            log, &split, field->w, field->h,
+            &(struct gp_far_kernel) {mix_pixel, m, m->far_grey, m->far_even},
+            &far));
+    GP_TRY(make_core(log, m, &split, far, field->luminance, field->w, field->h,
+                     out));
+    join_far(far, field, out);
+    far = NULL;
+out:
+    gp_far_free(far);
+    return st;
+}
+
+/* Makes the cosines of openings, and finds what of their light stays in its pixel. */
+static gp_status make_cosines(const struct gp_log *log,
+                              const struct gp_recipe *r, int n,
+                              const struct gp_field *field,
+                              const struct gp_cosine_grid *grid, double own[3],
+                              struct gp_cosines **out)
+{
+    struct gp_recipe opening[GP_RECIPES];
+    struct gp_kernel k = {0};
+    struct gp_field f = *field;
+    struct mixture m;
+    double sum = 0.0, light[3] = {0}, all = 0.0;
+    int openings = 0;
+    for (int i = 0; i < n; i++) {
+        sum += gp_recipe_value(&r[i], "share");
+        if (is_opening(&r[i]))
+            opening[openings++] = r[i];
+    }
+    // as much more as the frame's, for lights beside it
+    f.w = gp_max(grid->size[0] * field->w / field->seen_w, 1);
+    f.h = gp_max(grid->size[1] * field->h / field->seen_h, 1);
+    f.degrees = grid->step[1] * (180.0 / M_PI);
+    f.aspect = grid->step[0] / grid->step[1];
+    f.nodes = grid->nodes;
+    gp_status st = open_mixture(log, opening, openings, &f, NULL, &m);
+    if (st)
+        return st;
+    for (int i = 0; i < m.n; i++) {
+        m.share[i] = gp_recipe_value(&opening[i], "share") / fmax(sum, 1.0);
+        for (int c = 0; c < 3; c++) {
+            double *const one = &m.shape[i].own[m.shape[i].grey ? 0 : c];
+            own[c] += m.share[i] * *one;
+        }
+        memset(m.shape[i].own, 0, sizeof m.shape[i].own);
+    }
+    m.stays = 0.0;
+    m.tint.known = true;
+    m.nodes = grid->nodes;
+    GP_TRY(make_split(log, &f, &m, &k));
+    // each channel keeps its light
+    for (int c = 0; c < 3; c++) {
+        light[c] = own[c] + k.sum[c];
+        all += (double) field->luminance[c] * light[c];
+    }
+    for (int c = 0; c < 3; c++)
+        own[c] = fmax(own[c] + all - light[c], 0.0);
+    st = gp_cosines_make(log, grid, field->luminance, m.wrong, &k, out);
+out:
+    gp_kernel_free(&k);
+    close_mixture(&m);
+    return st;
+}
+
+/* Makes what of recipes goes by cosines, where a camera shows the frame. */
+static gp_status make_openings(const struct gp_log *log,
+                               const struct gp_recipe *r, int n,
+                               const struct gp_field *field, double own[3],
+                               struct gp_cosines **out)
+{
+    static const double LEAST_NM = 450.0; // shorter waves are dim
+    struct gp_cosine_grid grid;
+    double finest = 0.0; // of cycles a radian
+    for (int i = 0; i < n; i++) {
+        const double nm = gp_recipe_key(&r[i], "wavelength", 0.0);
+        if (is_opening(&r[i]))
+            finest = fmax(finest, gp_recipe_pupil(&r[i], field) * 1e6 /
+                                      (nm > 0.0 ? nm : LEAST_NM));
+    }
+    return finest > 0.0 && gp_cosine_grid_lay(&field->projection, field->seen_w,
+                                              field->seen_h, finest, &grid)
+               ? make_cosines(log, r, n, field, &grid, own, out)
+               : GP_OK;
+}
+
 /* Opens a mixture, and what of it goes by true angles; *sky stays NULL where nothing
  * does. */
 static gp_status open_parts(const struct gp_log *log, const struct gp_recipe *r,
@@ -385,13 +507,19 @@ static gp_status open_parts(const struct gp_log *log, const struct gp_recipe *r,
         .tolerance = field->tolerance,
     };
     const bool any = p.projection.kind != GP_PLANE;
-    gp_status st = open_mixture(log, r, n, field, any ? &p : NULL, m);
-    if (st || !p.n)
+    double own[3] = {0};
+    gp_status st = make_openings(log, r, n, field, own, &p.cosines);
+    if (!st)
+        st = open_mixture(log, r, n, field, any ? &p : NULL, m);
+    if (st || (!p.n && !p.cosines)) {
+        gp_cosines_free(&p.cosines);
         return st;
+    }
     p.stays = m->stays;
     st = gp_sky_make(log, &p, sky);
     if (!st && *sky) {
         m->stays += gp_sky_give(*sky);
+        memcpy(m->own, own, sizeof own);
         return GP_OK;
     }
     close_mixture(m);
@@ -403,7 +531,6 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
 {
     struct mixture m;
     struct gp_kernel k = {0};
-    struct gp_far_field *far = NULL;
     struct gp_sky *sky = NULL;
     if (!isfinite(field->rotate) || !(field->degrees > 0.0) ||
         !(field->degrees <= 180.0))
@@ -414,19 +541,7 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
     gp_status st = open_parts(log, r, n, field, &m, &sky);
     if (st)
         return st;
-    struct gp_far_split split = choose_split(&m, field->w, field->h);
-    // a coarser grid: measured rel_l2 1e-7 at the usual step, up to 5e-5 at four
-    // times that (engines.t)
-    split.step *= field->tolerance > 0.05    ? 4
-                  : field->tolerance > 0.005 ? 2 : 1;
-    if (split.step)
-        GP_TRY(gp_far_make(log, &split, field->w, field->h,
-            &(struct gp_far_kernel) {mix_pixel, &m, m.far_grey, m.far_even},
-            &far));
-    GP_TRY(make_core(log, &m, &split, far, field->luminance, field->w, field->h,
-                     &k));
-    join_far(far, field, &k);
-    far = NULL;
+    GP_TRY(make_split(log, field, &m, &k));
     if (sky) // of a light in the middle
         k.left_out += gp_sky_outside(sky, 0.5 * (field->seen_w - 1),
                                      0.5 * (field->seen_h - 1)) -
@@ -443,7 +558,6 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
 out:
     close_mixture(&m);
     gp_sky_free(&sky);
-    gp_far_free(far);
     gp_kernel_free(&k);
     return st;
 }
@@ -455,6 +569,7 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
     const struct gp_kernel_origin *const o = k->origin;
     struct mixture m;
     struct gp_sky_params rest = {0}; // k's sky has these
+    rest.cosines = k->sky ? gp_sky_cosines(k->sky) : NULL;
     gp_status st = open_mixture(log, o->recipe, o->n, &o->field,
                                 k->sky ? &rest : NULL, &m);
     if (st)

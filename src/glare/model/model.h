@@ -172,6 +172,9 @@ struct gp_field {
     // go by `degrees`, those of its middle
     struct gp_projection projection;
     int seen_w, seen_h;
+    // a sample is a node of light, of which a pixel is so many wide along each axis; 0:
+    // a sample is a pixel
+    double nodes;
 };
 
 #define GP_USUAL_FOV 30.0 // degrees, where nothing says another

@@ -24,7 +24,8 @@ struct gp_shape {
      * threads; a pixel's value does not depend on the strip it is in. */
     void (*row)(const void *state, int x, int y, int n, double *const out[3]);
 
-    double own[3];   // light of offset (0, 0) that row() does not write
+    double own[3];   // light of offset (0, 0) that row() does not write; of
+                     // nodes, of the pixel
     bool grey;       // the three channels are equal: row writes out[0] only
     bool even;       // the same at (-x, y) and (x, -y)
     bool negative;   // samples may be
@@ -245,6 +246,26 @@ GP_MUST_CHECK gp_status gp_spectra_make(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     const struct gp_pupil *p, const int period[2], const double pixel[2],
     struct gp_spectra *out);
+
+/* Light at a frequency of (x, y) periods, >= 0; ny is period[1]. */
+static inline float *gp_spectra_at(const struct gp_spectra *s, int c, int x,
+                                   int y, int ny)
+{
+    const size_t row = (size_t) (x / GP_LANES) * (size_t) ny + (size_t) y;
+    return s->re[c] + row * GP_LANES + (size_t) (x % GP_LANES);
+}
 void gp_spectra_free(struct gp_spectra *s);
+
+// -- nodes.c: light that goes by nodes, of which a pixel is so many wide -------
+
+/* Takes light that is finer than a pixel out of the spectra; it stays there. */
+void gp_finest_take(const struct gp_spectra *s, const int period[2],
+                    double nodes, double own[3]);
+
+/* Makes K of samples of D, planes of w x h nodes: sky/cosines.h. *wrong is struct
+ * gp_cosines'. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_nodes_divide(const struct gp_log *log, int w, int h,
+                                        double nodes, struct gp_planes *k,
+                                        double *wrong);
 
 #endif

@@ -243,7 +243,8 @@ static double ramp(double t)
 
 /* Cells go from -n to n. */
 static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
-                                 int period, struct lag_matrix *out)
+                                 int period, double nodes,
+                                 struct lag_matrix *out)
 {
     struct lag_matrix m = {.edge = (int) ceil(n / step + 1.0),
                            .period = period, .step = step};
@@ -258,7 +259,10 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
         // a mean over steps to both sides, by a hat of their width
         const double low = (k - 1.0) * step, high = (k + 1.0) * step;
         // the pixel that shines and the one that is lit
-        const double pixel = gp_sinc((double) k / period) / step;
+        const double f = fmax(nodes, 1.0) * k / period;
+        // of nodes, up to the first zero
+        const double pixel =
+            nodes > 0.0 && fabs(f) >= 1.0 ? 0.0 : gp_sinc(f) / step;
         const int first = gp_max((int) floor(low), -n);
         const int last = gp_min((int) ceil(high), n);
         m.row[i] = (struct lag_row) {first, gp_max(last - first + 1, 0), at};
@@ -476,9 +480,9 @@ gp_status gp_spectra_make(const struct gp_log *log,
             // cycles a radian, in cells of lag
             const double unit = nm[i + k] * 1e-6 / (p->cell * M_PI / 180.0);
             GP_TRY(lag_matrix_make(log, a.n, unit / (period[0] * pixel[0]),
-                                   period[0], &band[k].x));
+                                   period[0], f->nodes, &band[k].x));
             GP_TRY(lag_matrix_make(log, a.n, unit / (period[1] * pixel[1]),
-                                   period[1], &band[k].y));
+                                   period[1], f->nodes, &band[k].y));
         }
         add_bands(&a, band, n, &s);
     }

@@ -504,16 +504,39 @@ static gp_status take_within(const struct gp_log *log,
     return st;
 }
 
-gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
-                     const struct gp_sky_drawing *d)
+/* Adds direction cosines' light; `more` of a source stays in its pixel. */
+static gp_status add_cosines(const struct gp_log *log, const struct gp_sky *sky,
+                             const struct gp_sky_drawing *d)
+{
+    const struct gp_sources *const src = d->src;
+    const size_t w = (size_t) src->w;
+    struct gp_source *list = NULL;
+    gp_status st;
+    if (!d->add)
+        gp_planes_clear(d->layer, 0, w * (size_t) src->h);
+    GP_TRY(gp_sources_list(log, src, &list));
+    for (size_t i = 0; i < src->n && !d->add; i++) {
+        const size_t at = (size_t) list[i].y * w + (size_t) list[i].x;
+        for (int c = 0; c < 3; c++)
+            d->layer->c[c][at] = d->more[c] * list[i].rgb[c];
+    }
+    st = gp_cosines_add(log, sky->p.cosines, list, src->n,
+                        (struct gp_rect) {0, 0, src->w, src->h}, d->layer,
+                        d->last, d->kept);
+out:
+    gp_free(list);
+    return st;
+}
+
+/* Adds light by levels. */
+static gp_status add_levels(const struct gp_log *log, const struct gp_sky *sky,
+                            const struct gp_sky_drawing *d)
 {
     struct gp_sources within = {0};
     struct gp_sky_drawing own = *d;
     struct adding a = {.sky = sky, .d = &own};
     const int last = sky->levels - 1;
     gp_status st;
-    if (sky->sphere)
-        return gp_sky_sphere_add(log, sky, d);
     if (sky->p.projection.rim > 0.0) {
         GP_TRY(take_within(log, &sky->p.projection, d->src, &within));
         own.src = &within;
@@ -541,4 +564,24 @@ out:
     gp_free(a.index.at);
     gp_free(a.scratch);
     return st;
+}
+
+gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
+                     const struct gp_sky_drawing *d)
+{
+    struct gp_sky_drawing own = *d;
+    if (sky->sphere)
+        return gp_sky_sphere_add(log, sky, d);
+    if (sky->p.cosines) {
+        const gp_status st = add_cosines(log, sky, d);
+        if (st)
+            return st;
+        own.add = true;
+        memset(own.more, 0, sizeof own.more);
+    }
+    if (sky->p.n)
+        return add_levels(log, sky, &own);
+    if (d->rest)
+        gp_parallel_do(3 * d->src->h, d->rest, d->ctx);
+    return GP_OK;
 }

@@ -171,12 +171,20 @@ gp_status gp_sky_add_beyond(const struct gp_log *log, const struct gp_sky *sky,
         .layer = layer,
     };
     gp_status st = GP_OK;
+    struct gp_cosines_kept *kept = NULL;
     if (!n)
         return st;
+    if (sky->p.cosines)
+        GP_TRY(gp_cosines_add(log, sky->p.cosines, source, n,
+                              (struct gp_rect) {0, 0, w, h}, layer, true,
+                              &kept));
+    if (!sky->p.n)
+        goto out;
     GP_TRY(make_groups(log, source, n, &b));
     gp_parallel_do((w + TILE - 1) / TILE * ((h + TILE - 1) / TILE), add_tile,
                    &b);
 out:
+    gp_cosines_kept_free(&kept);
     for (int l = 0; l < b.levels; l++)
         gp_free(b.level[l].at);
     return st;

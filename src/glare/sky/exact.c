@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The layer as it is defined, sample by sample, in double. */
+#include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/sky/sphere.h"
@@ -91,9 +92,19 @@ static void exact_row(void *ctx, int y, int thread)
     }
 }
 
-void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,
-                  double *layer)
+gp_status gp_sky_exact(const struct gp_log *log, const struct gp_sky *sky,
+                       const struct gp_sources *src, double *layer)
 {
     struct exact e = {sky, src, layer};
-    gp_parallel_do(src->h, exact_row, &e);
+    struct gp_source *list = NULL;
+    gp_status st = GP_OK;
+    if (sky->p.n)
+        gp_parallel_do(src->h, exact_row, &e);
+    if (sky->p.cosines && src->n) {
+        GP_TRY(gp_sources_list(log, src, &list));
+        GP_TRY(gp_cosines_exact(log, sky->p.cosines, list, src->n, layer));
+    }
+out:
+    gp_free(list);
+    return st;
 }

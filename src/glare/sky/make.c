@@ -340,6 +340,22 @@ out:
     return st;
 }
 
+/* Fills error.kept, of cosines: light in the frame, where a source's pixel is no smaller
+ * than the smallest, and another no larger than that in the middle. */
+static void find_kept(struct gp_sky *s)
+{
+    const struct gp_projection *const p = &s->p.projection;
+    double least = 1.0, most = 0.0;
+    for (int i = 0; i < 4; i++)
+        least = fmin(least, gp_projection_direction(p, (i & 1) * (s->p.w - 1),
+                                                    (i >> 1) * (s->p.h - 1))
+                                .z);
+    for (int i = 0; i < s->outer[0] * s->outer[1]; i++)
+        most = fmax(most, (double) s->outside[i]);
+    s->error.kept = fmax(gp_cosines_light(s->p.cosines) - most, 0.0) * least *
+                    least * least * least;
+}
+
 gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
                       struct gp_sky **out)
 {
@@ -355,9 +371,19 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     int i = tolerance < 1e-4 ? LAST : 0;
     gp_status st;
     struct gp_sky *s = NULL;
+    struct gp_cosines *taken = p->cosines;
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
     s->p = *p;
+    taken = NULL;
     s->ratio = RATIOS[i];
+    s->error.cosines = p->cosines ? gp_cosines_wrong(p->cosines) : 0.0;
+    if (!p->n) {
+        GP_TRY(gp_sky_outside_table(log, s));
+        find_kept(s);
+        *out = s;
+        s = NULL;
+        goto out;
+    }
     if (!is_served(s))
         goto out;
     GP_TRY(gp_sky_light_make(log, p, &s->light));
@@ -383,6 +409,7 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     *out = s;
     s = NULL;
 out:
+    gp_cosines_free(&taken);
     gp_sky_free(&s);
     return st;
 }
@@ -398,6 +425,7 @@ void gp_sky_free(struct gp_sky **sky)
         gp_free(s->outer_at[0]);
         gp_free(s->outer_at[1]);
         gp_free(s->outside);
+        gp_cosines_free(&s->p.cosines);
     }
     GP_FREE(*sky);
 }
@@ -406,6 +434,8 @@ double gp_sky_give(struct gp_sky *s)
 {
     double least = INFINITY, *const own = s->sphere ? s->sphere->own : s->own;
     const int n = s->sphere ? s->sphere->h : s->places.n[0] * s->places.n[1];
+    if (!n)
+        return 0.0;
     for (int i = 0; i < n; i++)
         least = fmin(least, own[i]);
     // cubics between places may be lower
@@ -422,7 +452,18 @@ double gp_sky_given(const struct gp_sky *s)
 
 double gp_sky_light(const struct gp_sky *s)
 {
-    return s->spread + s->light.stays;
+    return s->spread + s->light.stays +
+           (s->p.cosines ? gp_cosines_light(s->p.cosines) : 0.0);
+}
+
+struct gp_cosines *gp_sky_cosines(const struct gp_sky *s)
+{
+    return s->p.cosines;
+}
+
+const char *gp_sky_way(const struct gp_sky *s)
+{
+    return s->p.n ? "levels" : "fft";
 }
 
 const struct gp_sky_error *gp_sky_error_of(const struct gp_sky *sky)

@@ -5,6 +5,7 @@
 #include "glare/sky/sphere.h"
 
 #include <math.h>
+#include <string.h>
 
 static double scale_of(const struct gp_projection *p, int axis)
 {
@@ -97,6 +98,10 @@ void gp_sky_own(const struct gp_sky *s, int w, int h, int y, const int32_t *x,
     if (s->sphere) {
         for (size_t i = 0; i < n; i++)
             own[i] = (float) s->sphere->own[y + s->sphere->y0];
+        return;
+    }
+    if (!s->p.n) {
+        memset(own, 0, n * sizeof *own);
         return;
     }
     const struct gp_sky_column *const column = s->column + (s->p.w - w) / 2;

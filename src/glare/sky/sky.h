@@ -24,7 +24,9 @@
  * comes back the same way. Each term ends at A(l + 1), so that a grid costs a
  * quarter of the one before it, and all together a third of the first term.
  * Weights are those of true angles at every place of every grid. Where a tolerance
- * allows it, from 5e-3 on, a node spreads to itself alone: single.c. */
+ * allows it, from 5e-3 on, a node spreads to itself alone: single.c.
+ *
+ * What an opening diffracts goes by direction cosines: cosines.h. */
 #ifndef GP_GLARE_SKY_H
 #define GP_GLARE_SKY_H
 
@@ -33,10 +35,11 @@
 #include "core/projection.h"
 #include "core/status.h"
 #include "glare/model/model.h"
+#include "glare/sky/cosines.h"
 #include "glare/sources.h"
 
 struct gp_sky_params {
-    int n; // models
+    int n; // models of the angle; 0: there are cosines alone
     struct gp_angular part[GP_RECIPES];
     double share[GP_RECIPES]; // of each
     double stays; // other light that stays in its pixel, of which an error is
@@ -45,12 +48,13 @@ struct gp_sky_params {
                                      // corner
     int w, h;                        // of the frame, pixels
     double tolerance;                // of rel_l2
+    struct gp_cosines *cosines;      // NULL: none; gp_sky_make() takes them
 };
 
 struct gp_sky;
 
 /* Makes what frames of w x h pixels need. Written only on GP_OK; free with
- * gp_sky_free(). *out stays NULL where levels cannot serve: a model that bends
+ * gp_sky_free(). *out stays NULL where levels are needed and cannot serve: a model that bends
  * within the first level, pixels of over 8 degrees or 16 times as long as wide.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sky_make(const struct gp_log *log,
@@ -69,8 +73,10 @@ struct gp_sky_drawing {
     bool add;
     float more[3]; // share of each pixel's light that stays in it beside the
                    // levels'
-    gp_task rest;  // runs for row i % h of channel i / h once it is written; or
-                   // NULL
+    bool last;     // no frame follows
+    struct gp_cosines_kept **kept; // from frame to frame; NULL at first
+    gp_task rest; // runs for row i % h of channel i / h once it is written; or
+                  // NULL
     void *ctx;
     struct gp_planes *layer;
 };
@@ -103,11 +109,20 @@ GP_MUST_CHECK gp_status gp_sky_add_beyond(const struct gp_log *log,
 #define GP_SKY_EXACT 4e-6
 
 /* Adds the layer as it is defined, sample by sample in double, to 3 w h numbers that
- * are not NaN: those are left out. */
-void gp_sky_exact(const struct gp_sky *sky, const struct gp_sources *src,
-                  double *layer);
+ * are not NaN: those are left out. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sky_exact(const struct gp_log *log,
+                                     const struct gp_sky *sky,
+                                     const struct gp_sources *src,
+                                     double *layer);
 
-/* The share of light that levels spread, and that they leave in its pixel. */
+/* Its cosines; NULL: none. */
+struct gp_cosines *gp_sky_cosines(const struct gp_sky *sky);
+
+/* The name of the way that its light takes: "levels", or without them "fft". */
+const char *gp_sky_way(const struct gp_sky *sky);
+
+/* The share of light that levels and cosines spread, and that levels leave in its
+ * pixel. */
 double gp_sky_light(const struct gp_sky *sky);
 
 /* The share of the light of a source at (x, y) that falls outside of the frame: as
@@ -121,6 +136,7 @@ void gp_sky_outside_row(const struct gp_sky *sky, int y, float *row);
 /* Limits of the error of gp_sky_add(), and of its layer. */
 struct gp_sky_error {
     double relative; // the error's 2-norm over the layer's
+    double cosines;  // and what it is more by of theirs, over that of the light
     double outside;  // of gp_sky_outside_row(): the root of its mean square
     double kept;     // samples of a source's layer sum to no less a share of it
 };

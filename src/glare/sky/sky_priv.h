@@ -74,7 +74,8 @@ struct gp_sky {
     struct gp_sky_places places;
     bool even[2]; // the axis is in the middle: mirrored places have mirrored
                   // weights
-    int levels;   // 0 is the pixels'; the last one's weights are `pairs`
+    int levels; // 0 is the pixels'; the last one's weights are `pairs`. There are
+                // none, and nothing of them, where `p` has no models
     struct gp_sky_level level[GP_SKY_LEVELS];
     float *pairs;                 // of the last level: [to][from]; owned
     double *own;                  // of each place; owned

@@ -90,7 +90,7 @@ static inline double *sky_exact(const struct gp_sky *sky,
     const size_t n = 3 * (size_t) src->w * (size_t) src->h;
     double *const v = scene_alloc(n, sizeof *v);
     memset(v, 0, n * sizeof *v);
-    gp_sky_exact(sky, src, v);
+    assert_ok(gp_sky_exact(NULL, sky, src, v));
     return v;
 }
 

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+/* The nodes of direction cosines, and the light of their kernel that leaves the
+ * frame. */
+#include "glare/sky/cosines.h"
+
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/far_field/far_field.h"
+#include "glare/sky/cosines_priv.h"
+
+#include <math.h>
+
+// -- nodes ---------------------------------------------------------------------
+
+struct gp_cosine_box gp_cosine_box_of(const struct gp_projection *p,
+                                      const double from[2], const double to[2])
+{
+    struct gp_cosine_box b = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
+    // a cosine grows along its axis, and is largest where the other's place is
+    // nearest to the pupil's normal, or farthest
+    const double x[3] = {from[0], to[0], fmin(fmax(p->x0, from[0]), to[0])};
+    const double y[3] = {from[1], to[1], fmin(fmax(p->y0, from[1]), to[1])};
+    for (int i = 0; i < 9; i++) {
+        const struct gp_v3 d = gp_projection_direction(p, x[i % 3], y[i / 3]);
+        b.low[0] = fmin(b.low[0], d.x);
+        b.low[1] = fmin(b.low[1], d.y);
+        b.high[0] = fmax(b.high[0], d.x);
+        b.high[1] = fmax(b.high[1], d.y);
+    }
+    return b;
+}
+
+bool gp_cosine_grid_lay(const struct gp_projection *p, int w, int h,
+                        double finest, struct gp_cosine_grid *out)
+{
+    // of splines' error: see `wrong`; and of periods that are finest
+    static const double DENSE = 2.75, LOOSE = 1.25, PERIOD = 2.3;
+    static const double MOST = 8.0 * M_PI / 180.0;
+    const double from[2] = {-0.5, -0.5}, to[2] = {w - 0.5, h - 0.5};
+    const double pixel = fmax(p->dx, p->dy);
+    if (p->kind != GP_PERSPECTIVE || !(pixel <= MOST))
+        return false;
+    const struct gp_cosine_box b = gp_cosine_box_of(p, from, to);
+    *out = (struct gp_cosine_grid) {
+        .projection = *p,
+        .w = w,
+        .h = h,
+        .nodes = fmin(fmax(PERIOD * finest * pixel, LOOSE), DENSE),
+    };
+    for (int i = 0; i < 2; i++) {
+        out->step[i] = (i ? p->dy : p->dx) / out->nodes;
+        out->size[i] = gp_cosine_span(b.low[i], b.high[i], out->step[i]).n;
+    }
+    return true;
+}
+
+// -- making --------------------------------------------------------------------
+
+static void sum_row(void *ctx, int y, int thread)
+{
+    struct gp_cosines *const c = ctx;
+    const struct gp_kernel *const k = &c->nodes;
+    double *const row = c->sums + (size_t) y * ((size_t) k->w + 1);
+    (void) thread;
+    row[0] = 0.0;
+    for (int x = 0; x < k->w; x++) {
+        const size_t i = (size_t) y * (size_t) k->w + (size_t) x;
+        row[x + 1] = row[x];
+        for (int n = 0; n < 3; n++)
+            row[x + 1] += (double) c->weight[n] * (double) k->k.c[n][i];
+    }
+}
+
+gp_status gp_cosines_make(const struct gp_log *log,
+                          const struct gp_cosine_grid *grid,
+                          const float weight[3], double wrong,
+                          struct gp_kernel *nodes, struct gp_cosines **out)
+{
+    struct gp_cosines *c;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *c, &c);
+    if (st)
+        return st;
+    c->grid = *grid;
+    c->nodes = *nodes;
+    *nodes = (struct gp_kernel) {0};
+    c->wrong = wrong;
+    for (int i = 0; i < 3; i++)
+        c->weight[i] = weight[i];
+    const struct gp_kernel *const k = &c->nodes;
+    st = gp_alloc(log, "kernel", (size_t) k->h * ((size_t) k->w + 1),
+                  sizeof *c->sums, &c->sums);
+    if (!st) {
+        gp_parallel_do(k->h, sum_row, c);
+        for (int y = 0; y < k->h; y++)
+            c->core +=
+                c->sums[(size_t) y * ((size_t) k->w + 1) + (size_t) k->w];
+        for (int i = 0; i < 3; i++) // of all of it
+            c->light += (double) weight[i] * k->sum[i];
+        *out = c;
+        c = NULL;
+    }
+    gp_cosines_free(&c);
+    return st;
+}
+
+void gp_cosines_free(struct gp_cosines **c)
+{
+    if (*c) {
+        gp_far_free(
+            (*c)->nodes.far); // it has no more: of samples, not of a model
+        gp_planes_free(&(*c)->nodes.k);
+        gp_free((*c)->sums);
+    }
+    GP_FREE(*c);
+}
+
+double gp_cosines_light(const struct gp_cosines *c)
+{
+    return c->light;
+}
+
+double gp_cosines_wrong(const struct gp_cosines *c)
+{
+    return c->wrong;
+}
+
+// -- light that leaves the frame -------------------------------------------------
+
+/* The core's light in its row y between two places on it, in samples. */
+static double between(const struct gp_cosines *c, int y, double from, double to)
+{
+    const int w = c->nodes.w;
+    const double *const row = c->sums + (size_t) y * ((size_t) w + 1);
+    double at[2] = {from, to};
+    for (int i = 0; i < 2; i++) {
+        const double t = fmin(fmax(at[i], 0.0), w);
+        const int k = (int) fmin(floor(t), w - 1);
+        at[i] = row[k] + (t - k) * (row[k + 1] - row[k]);
+    }
+    return fmax(at[1] - at[0], 0.0);
+}
+
+/* With X = x / z of a place, and Y: where y is b, Y is at most Y1 where z is at least
+ * b / Y1, which is |x| at most this; 0 where no z is. */
+static double half_of(double b, double side)
+{
+    const double z = b / side;
+    return side > 0.0 ? sqrt(fmax(1.0 - b * b - z * z, 0.0)) : 0.0;
+}
+
+double gp_cosines_outside(const struct gp_cosines *c, double x, double y)
+{
+    const struct gp_cosine_grid *const g = &c->grid;
+    const struct gp_projection *const p = &g->projection;
+    const struct gp_v3 at = gp_projection_direction(p, x, y);
+    const double left = (-0.5 - p->x0) * p->dx;
+    const double right = (g->w - 0.5 - p->x0) * p->dx;
+    const double top = (-0.5 - p->y0) * p->dy;
+    const double bottom = (g->h - 0.5 - p->y0) * p->dy;
+    double inside = 0.0;
+    for (int j = 0; j < c->nodes.h; j++) {
+        const double b = at.y + (j - c->nodes.cy) * g->step[1];
+        if (fabs(b) >= 1.0)
+            continue;
+        const double q = sqrt(1.0 - b * b), size = fabs(b);
+        // b / z is between both sides: |x| between `near` and `far`
+        const double far = half_of(size, b < 0.0 ? -top : bottom);
+        const double near = half_of(size, b < 0.0 ? -bottom : top);
+        const double from = left * q / sqrt(1.0 + left * left);
+        const double to = right * q / sqrt(1.0 + right * right);
+        const double ends[2][2] = {{fmax(from, -far), fmin(to, far)},
+                                   {fmax(from, -near), fmin(to, near)}};
+        for (int i = 0; i < (near > 0.0 ? 2 : 1); i++) {
+            const double first = 0.5 + c->nodes.cx - at.x / g->step[0];
+            const double light = between(c, j, first + ends[i][0] / g->step[0],
+                                         first + ends[i][1] / g->step[0]);
+            inside += i ? -light : light;
+        }
+    }
+    // the far field, of under 1e-3 of the light, as the core
+    return c->light * (1.0 - fmin(inside / c->core, 1.0));
+}
