@@ -72,7 +72,7 @@ int glarepp_compare(struct glarepp *gp, const struct glarepp_compare_params *how
         GP_TRY(gp_compare_flip(&log, &p, m, &c->facts, &c->map));
     if (p.perceptual && m->lit)
         GP_TRY(gp_compare_see(&log, m, &c->facts.seen));
-    c->facts.result = gp_compare_judge(&p, &c->facts);
+    gp_compare_judge(&p, &c->facts);
     *out = c;
     c = NULL;
 out:

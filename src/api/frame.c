@@ -57,8 +57,7 @@ int glarepp_frame(struct glarepp_plan *plan,
     f->log = gp_api_log(&f->sink);
     GP_TRY(gp_api_import(&f->log, &p.image, p.in_place, &f->image));
     f->borrowed = f->image.rgb.c[0] == p.image.plane[0];
-    f->image.read = (struct gp_rect) {p.file.x0, p.file.y0, p.file.x1,
-                                      p.file.y1};
+    f->image.read = p.file;
     f->sink.name = f->image.path;
     GP_TRY(import_groups(f, &p));
     *out = f;
@@ -260,8 +259,7 @@ static gp_status take_deep(struct glarepp_frame *f,
                            const struct glarepp_image *image)
 {
     const struct glarepp_stored *const s = image->plane[0];
-    const struct glarepp_rect w = s ? s->data : (struct glarepp_rect) {0};
-    struct gp_deep d = {.window = {w.x0, w.y0, w.x1, w.y1},
+    struct gp_deep d = {.window = s ? s->data : (struct gp_rect) {0},
                         .first = s ? s->first : NULL,
                         .name = s ? s->name : NULL};
     const float **const to[] = {&d.z, &d.alpha, &d.back};

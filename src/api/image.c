@@ -10,18 +10,13 @@
 #include <stdint.h>
 #include <string.h>
 
-static struct gp_rect rect_of(struct glarepp_rect r)
-{
-    return (struct gp_rect) {r.x0, r.y0, r.x1, r.y1};
-}
-
 /* Bytes from pixel to pixel and from row to row. */
 static void strides_of(const struct glarepp_image *view, ptrdiff_t *pixel,
                        ptrdiff_t *row)
 {
     const ptrdiff_t bytes = view->type == GLAREPP_HALF ? 2 : 4;
     *pixel = view->pixel ? view->pixel : bytes;
-    *row = view->row ? view->row : *pixel * gp_rect_w(rect_of(view->data));
+    *row = view->row ? view->row : *pixel * gp_rect_w(view->data);
 }
 
 /* True where the planes are what the rooms work on: floats without gaps. */
@@ -30,7 +25,7 @@ static bool is_packed(const struct glarepp_image *view)
     ptrdiff_t pixel, row;
     strides_of(view, &pixel, &row);
     return view->type == GLAREPP_FLOAT && pixel == sizeof(float) &&
-           row == pixel * gp_rect_w(rect_of(view->data));
+           row == pixel * gp_rect_w(view->data);
 }
 
 static gp_status check_view(const struct gp_log *log,
@@ -38,7 +33,7 @@ static gp_status check_view(const struct gp_log *log,
 {
     enum { MOST = 1 << 28 };
     const char *const name = view->name ? view->name : "image";
-    const struct gp_rect data = rect_of(view->data);
+    const struct gp_rect data = view->data;
     const long long w = (long long) data.x1 - data.x0;
     const long long h = (long long) data.y1 - data.y0;
     if (view->size != sizeof *view)
@@ -107,7 +102,7 @@ static void copy_row(void *ctx, int i, int thread)
 static void copy_planes(const struct glarepp_image *view,
                         const struct gp_planes *planes, int n, bool out)
 {
-    const struct gp_rect data = rect_of(view->data);
+    const struct gp_rect data = view->data;
     struct copying c = {.view = view, .planes = planes, .out = out,
                         .w = (size_t) gp_rect_w(data), .h = gp_rect_h(data)};
     strides_of(view, &c.pixel, &c.row);
@@ -120,9 +115,8 @@ gp_status gp_api_import(const struct gp_log *log,
     gp_status st = check_view(log, view, 3);
     if (st)
         return st;
-    struct gp_image f = gp_image_blank(rect_of(view->data));
-    const struct gp_rect display = rect_of(view->display);
-    f.display = gp_rect_empty(display) ? f.data : display;
+    struct gp_image f = gp_image_blank(view->data);
+    f.display = gp_rect_empty(view->display) ? f.data : view->display;
     f.pixel_aspect = view->aspect > 0.0f ? view->aspect : 1.0f;
     if (view->primaries) {
         memcpy(f.chromaticities, view->primaries, sizeof f.chromaticities);
@@ -154,7 +148,7 @@ gp_status gp_api_plane(const struct gp_log *log,
     gp_status st = check_view(log, view, which + 1);
     if (st)
         return st;
-    const struct gp_rect data = rect_of(view->data);
+    const struct gp_rect data = view->data;
     struct glarepp_image one = *view;
     one.plane[0] = view->plane[which];
     *out = (struct gp_plane) {.window = data, .borrowed = is_packed(view),
@@ -200,7 +194,7 @@ gp_status gp_api_export(const struct gp_log *log,
     const struct glarepp_image *view)
 {
     const gp_status st = check_view(log, view, 3);
-    const struct gp_rect own = rect_of(view->data);
+    const struct gp_rect own = view->data;
     if (st)
         return st;
     if (memcmp(&own, &data, sizeof own) != 0)
@@ -218,11 +212,9 @@ struct glarepp_image gp_api_view(const struct gp_planes *planes,
     struct glarepp_image v = GLAREPP_IMAGE;
     for (int c = 0; c < 3; c++)
         v.plane[c] = planes->c[c];
-    v.data = (struct glarepp_rect) {data.x0, data.y0, data.x1, data.y1};
-    v.display = v.data;
+    v.data = v.display = data;
     if (f) {
-        v.display = (struct glarepp_rect) {f->display.x0, f->display.y0,
-                                           f->display.x1, f->display.y1};
+        v.display = f->display;
         v.aspect = f->pixel_aspect;
         v.primaries = f->chromaticities;
         v.name = f->path;

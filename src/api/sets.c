@@ -49,8 +49,7 @@ static gp_status fill(const struct gp_log *log, struct own *own,
     for (int i = 0; i < own->scene.lights; i++) {
         const struct gp_scissor *const l = &own->table.light[i];
         own->light[i] = own->scene.light[i].name;
-        own->scissor[i] = (struct glarepp_rect) {l->rect.x0, l->rect.y0,
-                                                 l->rect.x1, l->rect.y1};
+        own->scissor[i] = l->rect;
         own->depth[i][0] = l->near;
         own->depth[i][1] = l->far;
     }

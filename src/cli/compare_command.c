@@ -368,9 +368,7 @@ static gp_status report_pair(struct run *r, int result, const char *why)
 /* Writes a picture of the frame, once. */
 static gp_status draw(struct run *r, int which)
 {
-    const struct glarepp_rect w = r->row.facts->window;
-    struct gp_frame f =
-        gp_frame_blank((struct gp_rect) {w.x0, w.y0, w.x1, w.y1});
+    struct gp_frame f = gp_frame_blank(r->row.facts->window);
     f.path = gp_pattern_name(&r->picture[which], r->row.frame, NULL);
     const gp_status st = !f.path ? gp_no_memory(r->log, r->picture[which].path)
                          : which == HEATMAP ? draw_flip(r, &f)
@@ -396,9 +394,12 @@ static gp_status measure(const struct run *r,
     for (int k = 0; k < 2; k++) {
         const struct gp_stored_image *const m = &image[k];
         stored[k] = (struct glarepp_stored) {
-            .size = sizeof stored[k], .name = k ? r->row.b : r->row.a,
-            .data = {m->data.x0, m->data.y0, m->data.x1, m->data.y1},
-            .channel = m->channel, .channels = m->channels, .first = m->first,
+            .size = sizeof stored[k],
+            .name = k ? r->row.b : r->row.a,
+            .data = m->data,
+            .channel = m->channel,
+            .channels = m->channels,
+            .first = m->first,
             .integers = m->integers,
             .light = {m->light[0], m->light[1], m->light[2]},
             .primaries = m->chromaticities,

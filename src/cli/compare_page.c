@@ -30,59 +30,43 @@ struct gp_page_entry {
 
 // -- gates ----------------------------------------------------------------------
 
-/* The limits of the command line, as the library judges by them. */
+/* The limits of the command line, as the library judged by them. */
 static json_t *gates_of(const struct glarepp_compare_params *p,
                         const struct glarepp_compare_facts *f)
 {
     static const char pixels[] = "pixels over it", max[] = "largest error";
-    const double hundredth = (double) f->pixels / 100.0;
-    const double may =
-        p->allow_failures < 0 ? (double) INFINITY : p->allow_failures;
-    const double fails = fmax(may, (double) p->fail_percent * hundredth);
-    const double warns = (double) p->warn_percent * hundredth;
+    static const char *const status[] = {"match", "warning", "failure"};
     const bool eye = f->seen >= 0;
-    const bool more =
-        (double) f->failed > may; // else only rel_l2 and FLIP judge
     const struct {
-        bool on, judges;
         const char *option;
         float value; // NaN: it has none
         const char *of;
-        double found, limit;
-        const char *over;
     } gate[] = {
-        {eye, true, "perceptual", NAN, "pixels that an eye sees differ",
-         (double) f->seen, fails, "failure"},
-        {!eye, true, "fail", p->fail, pixels, (double) f->failed, fails,
-         "failure"},
-        {!eye, more, "hardfail", p->hard_fail, max, f->max,
-         (double) p->hard_fail, "failure"},
-        {true, true, "fail-rel", p->fail_rel, "rel_l2", f->rel_l2,
-         (double) p->fail_rel, "failure"},
-        {true, true, "fail-flip", p->fail_flip, "mean FLIP",
-         f->has_flip ? f->flip : (double) NAN, (double) p->fail_flip,
-         "failure"},
-        {!eye, more, "warn", p->warn, pixels, (double) f->warned, warns,
-         "warning"},
-        {!eye, more, "hardwarn", p->hard_warn, max, f->max,
-         (double) p->hard_warn, "warning"},
+        {eye ? "perceptual" : "fail", eye ? NAN : p->fail,
+         eye ? "pixels that an eye sees differ" : pixels},
+        {"hardfail", p->hard_fail, max},
+        {"fail-rel", p->fail_rel, "rel_l2"},
+        {"fail-flip", p->fail_flip, "mean FLIP"},
+        {"warn", p->warn, pixels},
+        {"hardwarn", p->hard_warn, max},
     };
     json_t *const list = json_array();
     for (size_t i = 0; i < sizeof gate / sizeof *gate; i++) {
+        const double limit = f->gate[i].limit;
+        const int result = f->gate[i].result;
         char name[48];
-        const bool over = gate[i].judges && gate[i].found > gate[i].limit;
         // (NaN fails without a limit)
-        if (!gate[i].on || (isinf(gate[i].value) && !over))
+        if (isnan(limit) || (isinf(gate[i].value) && !result))
             continue;
         const int n = snprintf(name, sizeof name, "--%s", gate[i].option);
         if (!isnan(gate[i].value))
             snprintf(name + n, sizeof name - (size_t) n, " %g",
                      (double) gate[i].value);
-        json_array_append_new(
-            list, json_pack("{ss ss so? so? ss}", "gate", name, "of",
-                            gate[i].of, "found", json_real(gate[i].found),
-                            "limit", json_real(gate[i].limit), "status",
-                            over ? gate[i].over : "match"));
+        json_array_append_new(list, json_pack("{ss ss so? so? ss}", "gate",
+                                              name, "of", gate[i].of, "found",
+                                              json_real(f->gate[i].found),
+                                              "limit", json_real(limit),
+                                              "status", status[result]));
     }
     return list;
 }
@@ -114,9 +98,8 @@ static bool find_light(const struct gp_compare_row *e, int k,
 {
     const struct glarepp_compare_facts *const f = e->facts;
     const struct gp_stored_image *const m = e->image[k];
-    const struct gp_rect d = m->data;
     *out = (struct glarepp_image) {
-        .data = {d.x0, d.y0, d.x1, d.y1},
+        .data = m->data,
         .primaries = m->chromaticities,
     };
     *channel = NULL;
@@ -131,7 +114,7 @@ static bool find_light(const struct gp_compare_row *e, int k,
             continue;
         *channel = f->pair[i];
         if (at[k] < 0)
-            out->data = (struct glarepp_rect) {0, 0, 0, 0};
+            out->data = (struct gp_rect) {0};
         for (int c = 0; c < 3 && at[k] >= 0; c++)
             out->plane[c] = (void *) (uintptr_t) m->channel[at[k]].v;
     }
@@ -143,7 +126,6 @@ static gp_status make_set(const struct gp_log *log,
                           struct gp_page_set *s)
 {
     const struct glarepp_compare_facts *const f = e->facts;
-    const struct glarepp_rect w = f->window;
     struct glarepp_image light[2];
     struct glarepp_image map = GLAREPP_IMAGE;
     json_t *text;
@@ -152,8 +134,8 @@ static gp_status make_set(const struct gp_log *log,
         if (!find_light(e, k, &light[k], grey))
             return GP_OK;
     }
-    s->window = (struct gp_rect) {w.x0, w.y0, w.x1, w.y1};
-    const int x = f->x - w.x0, y = f->y - w.y0;
+    s->window = f->window;
+    const int x = f->x - s->window.x0, y = f->y - s->window.y0;
     if (f->max > 0.0)
         s->keep = (struct gp_rect) {x, y, x + 1, y + 1};
     if (f->has_flip)

@@ -211,8 +211,7 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
     struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
     double size[2] = {0};
     p.image = gp_frame_view(f, &f->rgb);
-    p.file = (struct glarepp_rect) {f->read.x0, f->read.y0, f->read.x1,
-                                    f->read.y1};
+    p.file = f->read;
     p.numbered = gp_job_number(job, &p.number);
     p.fps = positive(f, "framesPerSecond");
     p.has_camera = gp_frame_numbers(f, "worldToCamera", 16, p.to_camera);

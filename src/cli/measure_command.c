@@ -79,8 +79,8 @@ static json_t *row_json(const struct glarepp_sets_row *r)
 
 static json_t *light_json(const struct glarepp_sets *sets, int i)
 {
-    const struct glarepp_rect r = sets->scissor[i];
-    const bool off = r.x0 >= r.x1 || r.y0 >= r.y1;
+    const struct gp_rect r = sets->scissor[i];
+    const bool off = gp_rect_empty(r);
     return json_pack("{so so so*}", "name", gp_json_name(sets->light[i]),
         "scissor", off ? json_null() : json_pack("[iiii]", r.x0, r.y0, r.x1,
                                                  r.y1),
@@ -210,11 +210,10 @@ static gp_status take_picture(void *user, const struct gp_log *log,
 {
     struct user *const u = user;
     struct glarepp_image base = *exact, shown = *picture;
-    const struct glarepp_rect d = base.data;
     gp_status st = GP_OK;
     base.primaries = shown.primaries = NULL; // as a display has them
     if (!u->set.n) {
-        u->set.window = (struct gp_rect) {d.x0, d.y0, d.x1, d.y1};
+        u->set.window = base.data;
         GP_TRY(gp_page_set_add(log, &u->set,
                                json_pack("{ss}", "name", "the exact layer"),
                                &base, NULL, NULL));

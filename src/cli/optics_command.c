@@ -39,8 +39,7 @@ static gp_status draw_kernel(const struct glarepp_kernel *k,
         (gp_status) glarepp_kernel_draw(k, &field, &image, label);
     if (st)
         return st;
-    *out = gp_frame_blank((struct gp_rect) {image.data.x0, image.data.y0,
-                                            image.data.x1, image.data.y1});
+    *out = gp_frame_blank(image.data);
     out->names_chromaticities = true;
     for (int c = 0; c < 3; c++)
         out->rgb.c[c] = image.plane[c];

@@ -106,8 +106,7 @@ gp_status gp_read_source_mask(const struct gp_run *r, struct gp_frame_state *fs)
         GP_TRY(invert(log, fs->file.data, mask));
     fs->facts.read.mask = mask->name;
     v.plane[0] = mask->v;
-    v.data = (struct glarepp_rect) {mask->window.x0, mask->window.y0,
-                                    mask->window.x1, mask->window.y1};
+    v.data = mask->window;
     st = (gp_status) glarepp_frame_set(fs->frame, GLAREPP_SOURCE_MASK, &v);
 out:
     free(name);

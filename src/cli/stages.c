@@ -217,7 +217,7 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         return GP_OK;
     if (s->output.grow_pixels == GP_GROW_KERNEL) {
         GP_TRY(begin_frame(r, fs));
-        const struct glarepp_rect reach = glarepp_frame_reach(fs->frame);
+        const struct gp_rect reach = glarepp_frame_reach(fs->frame);
         glarepp_frame_end(&fs->frame);
         p.left = reach.x0;
         p.top = reach.y0;
@@ -321,11 +321,10 @@ static gp_status read_depth(const struct gp_run *r, struct gp_frame_state *fs)
 static gp_status give(struct gp_frame_state *fs, enum glarepp_view view,
                       const struct gp_plane *plane, int n, const char *file)
 {
-    const struct gp_rect w = plane->window;
     struct glarepp_image v = GLAREPP_IMAGE;
     for (int c = 0; c < n; c++)
         v.plane[c] = plane[c].v;
-    v.data = (struct glarepp_rect) {w.x0, w.y0, w.x1, w.y1};
+    v.data = plane->window;
     v.name = file;
     return plane->v ? (gp_status) glarepp_frame_set(fs->frame, view, &v)
                     : GP_OK;
@@ -494,7 +493,7 @@ static gp_status look_at(struct gp_frame_state *fs, enum glarepp_view view,
     for (int c = 0; c < 3 && !st; c++)
         out->c[c] = v.plane[c];
     if (!st && data)
-        *data = (struct gp_rect) {v.data.x0, v.data.y0, v.data.x1, v.data.y1};
+        *data = v.data;
     return (gp_status) st;
 }
 

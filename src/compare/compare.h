@@ -123,12 +123,12 @@ GP_MUST_CHECK gp_status gp_compare_flip(
     const struct gp_compare_match *m, struct glarepp_compare_facts *out,
     float **map);
 
-/* Returns `result` as idiff 2.4.7 to 3.x have it: no more than allow_failures
+/* Sets gates and `result` as idiff 2.4.7 to 3.x have it: no more than allow_failures
  * failing pixels match, whatever the other limits are. Beside that rel_l2 over
  * fail_rel and FLIP over fail_flip are failures. */
 enum { GP_COMPARE_MATCH, GP_COMPARE_WARNING, GP_COMPARE_FAILURE };
-int gp_compare_judge(const struct glarepp_compare_params *limits,
-                     const struct glarepp_compare_facts *f);
+void gp_compare_judge(const struct glarepp_compare_params *limits,
+                      struct glarepp_compare_facts *f);
 
 // -- pictures, a sample for each pixel of the window -------------------------
 

@@ -21,12 +21,6 @@ static int find_channel(const struct glarepp_stored *image, const char *name)
     return -1;
 }
 
-static struct gp_rect rect_of(const struct glarepp_stored *image)
-{
-    const struct glarepp_rect r = image->data;
-    return (struct gp_rect) {r.x0, r.y0, r.x1, r.y1};
-}
-
 static bool is_lit(const struct glarepp_stored *image)
 {
     return image->light[0] && image->light[1] && image->light[2];
@@ -38,8 +32,10 @@ gp_status gp_compare_match_make(
 {
     static const char *const first[] = {"R", "G", "B", "A"};
     *m = (struct gp_compare_match) {
-        .a = a, .b = b, .lit = is_lit(a) && is_lit(b),
-        .window = gp_rect_join(rect_of(a), rect_of(b)),
+        .a = a,
+        .b = b,
+        .lit = is_lit(a) && is_lit(b),
+        .window = gp_rect_join(a->data, b->data),
     };
     gp_luminance_weights(a->primaries ? a->primaries : gp_rec709_chromaticities,
                          m->luminance);
@@ -98,7 +94,7 @@ void gp_compare_match_free(struct gp_compare_match *m)
 /* The index of a pixel of the window in an image, or -1 outside it. */
 static int64_t index_at(const struct glarepp_stored *image, int x, int y)
 {
-    const struct gp_rect r = rect_of(image);
+    const struct gp_rect r = image->data;
     if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1)
         return -1;
     return (int64_t) (y - r.y0) * gp_rect_w(r) + (x - r.x0);
@@ -271,12 +267,16 @@ gp_status gp_compare_measure(
                           (double) m->pairs;
     double error = 0.0, square = 0.0, reference = 0.0, peak = 1.0;
     *out = (struct glarepp_compare_facts) {
-        .window = {m->window.x0, m->window.y0, m->window.x1, m->window.y1},
-        .pairs = m->pairs, .pair = m->name, .in_a = m->in[0], .in_b = m->in[1],
+        .window = m->window,
+        .pairs = m->pairs,
+        .pair = m->name,
+        .in_a = m->in[0],
+        .in_b = m->in[1],
         .lit = m->lit,
-        .pixels = (long long) gp_rect_w(rect_of(m->a)) *
-                  gp_rect_h(rect_of(m->a)),
-        .x = m->window.x0, .y = m->window.y0, .seen = -1,
+        .pixels = (long long) gp_rect_w(m->a->data) * gp_rect_h(m->a->data),
+        .x = m->window.x0,
+        .y = m->window.y0,
+        .seen = -1,
         .max_rel = m->lit ? 0.0 : (double) NAN,
     };
     for (int y = 0; y < rows; y++) {
@@ -312,24 +312,42 @@ gp_status gp_compare_measure(
     return GP_OK;
 }
 
-int gp_compare_judge(const struct glarepp_compare_params *limits,
-                     const struct glarepp_compare_facts *f)
+void gp_compare_judge(const struct glarepp_compare_params *limits,
+                      struct glarepp_compare_facts *f)
 {
     const double hundredth = (double) f->pixels / 100.0;
     const bool eye = f->seen >= 0;
-    const long long failed = eye ? f->seen : f->failed;
-    if (f->rel_l2 > (double) limits->fail_rel ||
-        (f->has_flip && f->flip > (double) limits->fail_flip))
-        return GP_COMPARE_FAILURE;
-    if (limits->allow_failures < 0 || failed <= limits->allow_failures)
-        return GP_COMPARE_MATCH;
-    if ((double) failed > (double) limits->fail_percent * hundredth ||
-        (!eye && f->max > (double) limits->hard_fail))
-        return GP_COMPARE_FAILURE;
-    return !eye && ((double) f->warned >
-                        (double) limits->warn_percent * hundredth ||
-                    f->max > (double) limits->hard_warn)
-               ? GP_COMPARE_WARNING : GP_COMPARE_MATCH;
+    const double none = (double) NAN;
+    const double failed = (double) (eye ? f->seen : f->failed);
+    const double may =
+        limits->allow_failures < 0 ? (double) INFINITY : limits->allow_failures;
+    const bool more = failed > may;
+    const struct {
+        bool judges;
+        double found, limit;
+        int over;
+    } gate[] = {
+        {more, failed, fmax(may, (double) limits->fail_percent * hundredth),
+         GP_COMPARE_FAILURE},
+        {more, f->max, eye ? none : (double) limits->hard_fail,
+         GP_COMPARE_FAILURE},
+        {true, f->rel_l2, (double) limits->fail_rel, GP_COMPARE_FAILURE},
+        {true, f->has_flip ? f->flip : none, (double) limits->fail_flip,
+         GP_COMPARE_FAILURE},
+        {more, (double) f->warned,
+         eye ? none : (double) limits->warn_percent * hundredth,
+         GP_COMPARE_WARNING},
+        {more, f->max, eye ? none : (double) limits->hard_warn,
+         GP_COMPARE_WARNING},
+    };
+    f->result = GP_COMPARE_MATCH;
+    for (size_t i = 0; i < sizeof gate / sizeof *gate; i++) {
+        const bool over = gate[i].judges && gate[i].found > gate[i].limit;
+        f->gate[i].found = gate[i].found;
+        f->gate[i].limit = gate[i].limit;
+        f->gate[i].result = over ? gate[i].over : GP_COMPARE_MATCH;
+        f->result = gp_max(f->result, f->gate[i].result);
+    }
 }
 
 // -- FLIP --------------------------------------------------------------------
@@ -350,7 +368,7 @@ gp_status gp_compare_light(
             if (at >= 0)
                 memcpy(to + (image->data.x0 - m->window.x0),
                        image->light[c] + at,
-                       (size_t) gp_rect_w(rect_of(image)) * sizeof *to);
+                       (size_t) gp_rect_w(image->data) * sizeof *to);
         }
         for (size_t i = 0; i < pixels && hdr; i++) {
             if (isinf(out->c[c][i]) && out->c[c][i] > 0.0f)

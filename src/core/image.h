@@ -4,16 +4,14 @@
 #define GP_CORE_IMAGE_H
 
 #include "core/status.h"
+#include "glarepp.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* Half-open pixel rectangle: x in [x0, x1), y in [y0, y1); x right, y down.
- * Empty when x1 <= x0 or y1 <= y0. */
-struct gp_rect {
-    int x0, y0, x1, y1;
-};
+/* The rooms' name of it. Empty when x1 <= x0 or y1 <= y0. */
+#define gp_rect glarepp_rect
 
 static inline int gp_rect_w(struct gp_rect r)
 {

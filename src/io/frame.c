@@ -157,10 +157,8 @@ struct glarepp_image gp_frame_view(const struct gp_frame *f,
     struct glarepp_image v = GLAREPP_IMAGE;
     for (int c = 0; c < 3; c++)
         v.plane[c] = planes->c[c];
-    v.data =
-        (struct glarepp_rect) {f->data.x0, f->data.y0, f->data.x1, f->data.y1};
-    v.display = (struct glarepp_rect) {f->display.x0, f->display.y0,
-                                       f->display.x1, f->display.y1};
+    v.data = f->data;
+    v.display = f->display;
     v.aspect = f->pixel_aspect;
     v.primaries = f->names_chromaticities ? f->chromaticities : NULL;
     v.name = f->path;
