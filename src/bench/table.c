@@ -273,9 +273,9 @@ static gp_status save_text(const struct gp_log *log, const char *path, FILE *to,
                            char **text, const size_t *size)
 {
     const bool lost = ferror(to), closed = fclose(to) == 0;
-    const gp_status st = !lost && closed
-                             ? gp_file_save(log, path, *text, *size)
-                             : gp_no_memory(log, path);
+    const gp_status st =
+        !lost && closed ? gp_file_save(log, path, false, false, *text, *size)
+                        : gp_no_memory(log, path);
     free(*text);
     return st;
 }
@@ -499,7 +499,7 @@ gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
         return gp_no_memory(log, path);
     const size_t size = strlen(text);
     text[size] = '\n'; // in the place of its end
-    gp_status st = gp_file_save(log, path, text, size + 1);
+    gp_status st = gp_file_save(log, path, false, false, text, size + 1);
     free(text);
     return st;
 }

@@ -653,7 +653,7 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
     GP_TRY(gp_flush_stdout(log));
     GP_TRY(gp_compare_pages_write(&r.pages, 0, true));
     if (json)
-        GP_TRY(gp_file_save(log, json, text, size));
+        GP_TRY(gp_file_save(log, json, false, false, text, size));
 out:
     if (r.json)
         fclose(r.json);

@@ -379,7 +379,7 @@ static gp_status draw_lens(const struct gp_log *log, const char *path,
     }
     const char *const text =
         glarepp_lens_draw(lens, lens->ghosts ? &ghost[best] : NULL);
-    return text ? gp_file_save(log, path, text, strlen(text))
+    return text ? gp_file_save(log, path, false, false, text, strlen(text))
                 : gp_no_memory(log, path);
 }
 

@@ -160,7 +160,7 @@ gp_status gp_tracks_write(const struct gp_log *log, const struct gp_tracks *t,
     if (fclose(f) != 0 && !st)
         st = gp_no_memory(log, path);
     if (!st)
-        st = gp_file_save(log, path, text, size);
+        st = gp_file_save(log, path, false, false, text, size);
     free(text);
     return st;
 }

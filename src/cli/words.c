@@ -157,10 +157,8 @@ gp_status gp_settings_save(const struct gp_log *log,
                            const struct gp_settings *s)
 {
     const char *const path = s->words.save_settings;
-    struct gp_file *file = NULL;
     char *text = NULL;
     size_t size;
-    gp_status st;
     if (s->output.write.no_clobber && gp_file_exists(path))
         return GP_OK;
     FILE *const f = open_memstream(&text, &size);
@@ -170,13 +168,10 @@ gp_status gp_settings_save(const struct gp_log *log,
                "for --settings");
     print_options(f, s, "\n", true);
     fprintf(f, "\n");
-    if (!end_text(f, &text))
-        GP_TRY(gp_no_memory(log, path));
-    GP_TRY(gp_file_open(log, path, s->output.write.create_dir, &file));
-    GP_TRY(gp_file_write(file, text, size));
-    st = gp_file_commit(&file);
-out:
-    gp_file_discard(&file);
+    const gp_status st =
+        end_text(f, &text) ? gp_file_save(log, path, s->output.write.create_dir,
+                                          false, text, size)
+                           : gp_no_memory(log, path);
     free(text);
     return st;
 }

@@ -297,7 +297,7 @@ struct gp_file {
     struct temp temp; // while it is written; no name: straight to fd
     int fd;          // -1 when closed
     bool own_fd;     // false for stdout
-    bool sync;       // gp_file_sync()
+    bool sync;       // to disk
     gp_status st;    // first failure; later writes repeat it silently
     uint64_t size;   // of what was written
     void *held;      // of straight targets: all of it
@@ -431,13 +431,13 @@ static int open_straight(const char *path, int flags)
 }
 
 gp_status gp_file_open(const struct gp_log *log, const char *path,
-                       bool create_dir, struct gp_file **out)
+                       bool create_dir, bool sync, struct gp_file **out)
 {
     gp_status st;
     struct gp_file *f = NULL;
     GP_TRY(gp_file_check(log, path, create_dir));
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *f, &f));
-    *f = (struct gp_file) {.log = log, .fd = -1};
+    *f = (struct gp_file) {.log = log, .fd = -1, .sync = sync};
     f->path = gp_strdup(gp_is_dash(path) ? "stdout" : path);
     if (!f->path)
         GP_TRY(gp_no_memory(log, path));
@@ -572,11 +572,6 @@ static gp_status sync_folder(struct gp_file *f)
     return error && error != EINVAL ? write_failed(f, error) : GP_OK;
 }
 
-void gp_file_sync(struct gp_file *f)
-{
-    f->sync = true;
-}
-
 gp_status gp_file_commit(struct gp_file **file)
 {
     struct gp_file *f = *file;
@@ -613,10 +608,11 @@ void gp_file_discard(struct gp_file **file)
 }
 
 gp_status gp_file_save(const struct gp_log *log, const char *path,
-                       const void *data, size_t size)
+                       bool create_dir, bool sync, const void *data,
+                       size_t size)
 {
     struct gp_file *file = NULL;
-    gp_status st = gp_file_open(log, path, false, &file);
+    gp_status st = gp_file_open(log, path, create_dir, sync, &file);
     if (!st)
         st = gp_file_write(file, data, size);
     if (!st)

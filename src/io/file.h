@@ -9,8 +9,8 @@
  * once, because formats seek back to fill in tables and a pipe cannot.
  *
  * Every function prints its own error line through the log given to
- * gp_file_open(). Only gp_file_sync() syncs to disk (fsync): without it a power
- * cut may lose or cut what was renamed. */
+ * gp_file_open(). Only `sync` writes through to the disk (fsync): without it a
+ * power cut may lose or cut what was renamed. */
 #ifndef GP_IO_FILE_H
 #define GP_IO_FILE_H
 
@@ -29,12 +29,15 @@ static inline bool gp_is_dash(const char *path)
     return path && path[0] == '-' && !path[1];
 }
 
-/* Starts writing `path`, `create_dir` with missing folders. Follows a symbolic
- * link: it stays and its target is replaced. Keeps the permissions of an existing
- * file. Borrows `log` until gp_file_commit() or gp_file_discard().
+/* Starts writing `path`, `create_dir` with missing folders; `sync` has a regular file
+ * written through to the disk before it is renamed, and its folder afterwards: an error
+ * of the folder's leaves the file. Follows a symbolic link: it stays and its target is
+ * replaced. Keeps the permissions of an existing file. Borrows `log` until
+ * gp_file_commit() or gp_file_discard().
  * Errors: GP_ERR_IO no such folder, a folder of that name, not writable. */
 GP_MUST_CHECK gp_status gp_file_open(const struct gp_log *log, const char *path,
-                                     bool create_dir, struct gp_file **out);
+                                     bool create_dir, bool sync,
+                                     struct gp_file **out);
 
 /* Appends `size` bytes. Errors: GP_ERR_IO with the system's reason. */
 GP_MUST_CHECK gp_status gp_file_write(struct gp_file *f, const void *data,
@@ -49,10 +52,6 @@ uint64_t gp_file_size(const struct gp_file *f);
 
 /* The name it is for, as the user gave it; "stdout" for "-". */
 const char *gp_file_path(const struct gp_file *f);
-
-/* Lets gp_file_commit() write a regular file through to the disk before it is
- * renamed, and its folder afterwards; an error of the folder's leaves the file. */
-void gp_file_sync(struct gp_file *f);
 
 /* Closes the file, renames it to its final name and sets *f to NULL. When
  * anything fails, here or in an earlier write, no file is left (an old one
@@ -70,6 +69,7 @@ GP_MUST_CHECK gp_status gp_file_open_lines(const struct gp_log *log,
 
 /* Writes a whole file of `size` bytes. Errors: as above. */
 GP_MUST_CHECK gp_status gp_file_save(const struct gp_log *log, const char *path,
+                                     bool create_dir, bool sync,
                                      const void *data, size_t size);
 
 /* Checks before any work what gp_file_open() will need: the folder exists and

@@ -74,11 +74,18 @@ GP_MUST_CHECK gp_status gp_pfm_length(struct gp_stream *stream,
 
 /* -- writing --------------------------------------------------------------- */
 
-/* gp_write_picture() for one format. */
-typedef gp_status gp_picture_writer(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_write_stats *stats);
+/* What gp_write_picture() is given. */
+struct gp_picture_job {
+    const struct gp_log *log;
+    const struct gp_write_params *p;
+    const char *path;
+    const struct gp_frame *f;
+    const struct gp_planes *planes;
+    enum gp_picture_kind kind;
+    struct gp_write_stats *stats;
+};
+/* Does it for one format. */
+typedef gp_status gp_picture_writer(const struct gp_picture_job *j);
 
 /* PNG: RGB, or RGBA with GP_ALPHA_KEEP and an alpha channel.
  *
@@ -133,18 +140,15 @@ struct gp_picture {
     struct gp_quantizer quantizer;
 };
 
-/* Prepares rows of `planes`: of four channels without GP_ALPHA_BLACK where
- * alpha is beside the colour; codes of GP_PICTURE_ENCODED are without a curve.
+/* Prepares rows: of four channels without GP_ALPHA_BLACK where alpha is beside the
+ * colour; codes of GP_PICTURE_ENCODED are without a curve.
  *
- *   p    depth_bits, dither and alpha are used
  *   out  empty on failure; free with gp_picture_free()
  *
  * Errors: GP_ERR_DATA an empty display window, or one of more than 2^40
  * pixels (those of files are bounded by --max-pixels when they are read). */
-GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_picture *out);
+GP_MUST_CHECK gp_status gp_picture_make(const struct gp_picture_job *j,
+                                        struct gp_picture *out);
 void gp_picture_free(struct gp_picture *pic);
 
 /* Interleaved samples of a picture's display window. */

@@ -126,33 +126,39 @@ GP_CLONES void gp_quantize(const struct gp_quantizer *q, const float *value,
 // as much as --max-pixels allows files to claim
 static const int64_t pixels_max = 1LL << 40, edge_max = INT_MAX / 4;
 
-gp_status gp_picture_make(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_picture *out)
+gp_status gp_picture_make(const struct gp_picture_job *j,
+                          struct gp_picture *out)
 {
+    const struct gp_write_params *const p = j->p;
+    const struct gp_frame *const f = j->f;
     const struct gp_rect d = f->display;
     const int64_t w = (int64_t) d.x1 - d.x0, h = (int64_t) d.y1 - d.y0;
     const int channel = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
     *out = (struct gp_picture) {0};
     if (w < 1 || h < 1 || w > edge_max || h > edge_max || w > pixels_max / h)
-        return gp_fail(log, GP_ERR_DATA,
-            "%s: cannot make a picture of this display window "
-            "(%lld x %lld pixels); write .exr", path, (long long) w,
-            (long long) h);
+        return gp_fail(j->log, GP_ERR_DATA,
+                       "%s: cannot make a picture of this display window "
+                       "(%lld x %lld pixels); write .exr",
+                       j->path, (long long) w, (long long) h);
     *out = (struct gp_picture) {
-        .width = (int) w, .height = (int) h, .channels = channel >= 0 ? 4 : 3,
-        .bits = p->depth_bits, .f = f, .planes = planes,
-        .associated = p->alpha == GP_ALPHA_ASSOCIATED, .quantizer = {
-            .max = (1 << p->depth_bits) - 1,
-            .curve = kind != GP_PICTURE_ENCODED,
-            .dither = p->dither == GP_DITHER_ALWAYS ||
-                      (p->dither == GP_DITHER_8_BITS && p->depth_bits == 8),
-        },
+        .width = (int) w,
+        .height = (int) h,
+        .channels = channel >= 0 ? 4 : 3,
+        .bits = p->depth_bits,
+        .f = f,
+        .planes = j->planes,
+        .associated = p->alpha == GP_ALPHA_ASSOCIATED,
+        .quantizer =
+            {
+                .max = (1 << p->depth_bits) - 1,
+                .curve = j->kind != GP_PICTURE_ENCODED,
+                .dither = p->dither == GP_DITHER_ALWAYS ||
+                          (p->dither == GP_DITHER_8_BITS && p->depth_bits == 8),
+            },
     };
     if (channel < 0)
         return GP_OK;
-    const gp_status st = gp_alloc(log, "alpha", gp_frame_pixels(f),
+    const gp_status st = gp_alloc(j->log, "alpha", gp_frame_pixels(f),
                                   sizeof *out->alpha, &out->alpha);
     if (st)
         *out = (struct gp_picture) {0};

@@ -462,20 +462,17 @@ gp_status gp_zlib_pack(const struct gp_log *log, const void *from, size_t n,
     return st;
 }
 
-gp_status gp_png_write(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const struct gp_frame *frame,
-                       const struct gp_planes *planes,
-                       enum gp_picture_kind kind, struct gp_write_stats *stats)
+gp_status gp_png_write(const struct gp_picture_job *j)
 {
     gp_status st;
+    const struct gp_log *const log = j->log;
+    const struct gp_write_params *const p = j->p;
     struct gp_picture pic = {0};
     struct target t = {.log = log};
     void *rows = NULL, *data = NULL;
     size_t size = 0;
-    (void) stats;
-    const struct tags tags = tags_of(p, frame, kind);
-    GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, &pic));
+    const struct tags tags = tags_of(p, j->f, j->kind);
+    GP_TRY(gp_picture_make(j, &pic));
     struct gp_picture_form samples = {
         .bytes = (size_t) pic.bits / 8,
         .big = true,
@@ -490,10 +487,8 @@ gp_status gp_png_write(const struct gp_log *log,
     GP_TRY(gp_picture_samples(log, &pic, &samples));
     GP_TRY(gp_zlib_pack(log, rows, n, p->png_level, &data, &size));
     GP_FREE(rows);
-    GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
-    if (p->fsync)
-        gp_file_sync(t.file);
-    GP_TRY(write_chunks(&t, &pic, frame, &tags, p, data, size));
+    GP_TRY(gp_file_open(log, j->path, p->create_dir, p->fsync, &t.file));
+    GP_TRY(write_chunks(&t, &pic, j->f, &tags, p, data, size));
     GP_TRY(gp_file_commit(&t.file));
 out:
     gp_file_discard(&t.file);

@@ -138,70 +138,56 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
 // -- writing ------------------------------------------------------------------
 
 /* Writes samples over black: a raw frame of `frames`' size; NULL: a PFM. */
-static gp_status write_samples(const struct gp_log *log,
-    struct gp_write_params p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_raw_size *frames)
+static gp_status write_samples(struct gp_picture_job j, enum gp_raw_format raw,
+                               struct gp_raw_size *frames)
 {
     gp_status st;
+    struct gp_write_params p = *j.p;
     struct gp_picture pic;
-    struct gp_file *file = NULL;
-    void *bytes = NULL;
-    char head[64];
-    const size_t sample = p.raw == GP_RAW_RGB24 ? 1
-                          : p.raw == GP_RAW_RGBF32LE ? 4 : 2;
+    char *bytes = NULL;
+    char head[64] = "";
+    const size_t sample = raw == GP_RAW_RGB24      ? 1
+                          : raw == GP_RAW_RGBF32LE ? 4
+                                                   : 2;
     p.depth_bits = sample == 1 ? 8 : 16;
     p.alpha = GP_ALPHA_BLACK;
-    GP_TRY(gp_picture_make(log, &p, path, f, planes, kind, &pic));
+    j.p = &p;
+    GP_TRY(gp_picture_make(&j, &pic));
     if (frames && frames->w &&
         (frames->w != pic.width || frames->h != pic.height))
-        GP_TRY(gp_fail(log, GP_ERR_DATA,
+        GP_TRY(gp_fail(j.log, GP_ERR_DATA,
                        "%s: size differs from the raw frames before (found %d "
                        "x %d after %d x %d); make it in a run of its own",
-                       f->path ? f->path : path, pic.width, pic.height,
+                       j.f->path ? j.f->path : j.path, pic.width, pic.height,
                        frames->w, frames->h));
     if (frames)
         *frames = (struct gp_raw_size) {pic.width, pic.height};
+    else
+        snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n", pic.width, pic.height);
+    const size_t lead = strlen(head);
     const size_t size = (size_t) pic.width * (size_t) pic.height * 3 * sample;
-    GP_TRY(gp_alloc(log, "picture", size, 1, &bytes));
+    GP_TRY(gp_alloc(j.log, "picture", lead + size, 1, &bytes));
+    memcpy(bytes, head, lead);
     const struct gp_picture_form samples = {
         .bytes = sample,
-        .big = p.raw == GP_RAW_RGB48BE,
+        .big = raw == GP_RAW_RGB48BE,
         .from_bottom = !frames,
-        .to = bytes,
+        .to = bytes + lead,
     };
-    GP_TRY(gp_picture_samples(log, &pic, &samples));
-    GP_TRY(gp_file_open(log, path, p.create_dir, &file));
-    if (p.fsync)
-        gp_file_sync(file);
-    const int head_bytes = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n",
-                                    pic.width, pic.height);
-    if (!frames)
-        GP_TRY(gp_file_write(file, head, (size_t) head_bytes));
-    GP_TRY(gp_file_write(file, bytes, size));
-    GP_TRY(gp_file_commit(&file));
+    GP_TRY(gp_picture_samples(j.log, &pic, &samples));
+    st = gp_file_save(j.log, j.path, p.create_dir, p.fsync, bytes, lead + size);
 out:
-    gp_file_discard(&file);
     gp_free(bytes);
     gp_picture_free(&pic);
     return st;
 }
 
-gp_status gp_pfm_write(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const struct gp_frame *f, const struct gp_planes *planes,
-                       enum gp_picture_kind kind, struct gp_write_stats *stats)
+gp_status gp_pfm_write(const struct gp_picture_job *j)
 {
-    struct gp_write_params own = *p;
-    (void) stats;
-    own.raw = GP_RAW_RGBF32LE;
-    return write_samples(log, own, path, f, planes, kind, NULL);
+    return write_samples(*j, GP_RAW_RGBF32LE, NULL);
 }
 
-gp_status gp_raw_write(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const struct gp_frame *f, const struct gp_planes *planes,
-                       enum gp_picture_kind kind, struct gp_write_stats *stats)
+gp_status gp_raw_write(const struct gp_picture_job *j)
 {
-    return write_samples(log, *p, path, f, planes, kind, &stats->raw);
+    return write_samples(*j, j->p->raw, &j->stats->raw);
 }

@@ -162,31 +162,29 @@ static void round_radiance(const struct gp_picture *pic, uint8_t *row)
         round_pixel((float *) (void *) row + 3 * x);
 }
 
-static gp_status write_by_helper(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_write_stats *stats)
+static gp_status write_by_helper(const struct gp_picture_job *j)
 {
     static const char *const names[] = {"R", "G", "B", "A"};
     gp_status st;
-    const struct target target = target_of(p, path);
+    const struct gp_log *const log = j->log;
+    const struct target target = target_of(j->p, j->path);
     const struct format *const t = target.format;
-    (void) stats;
-    struct gp_write_params own = *p;
+    struct gp_write_params own = *j->p;
+    struct gp_picture_job job = *j;
     struct gp_picture pic = {0};
-    struct gp_file *file = NULL;
     struct gp_shared pixels = {0};
     struct gp_stream s = GP_STREAM_EMPTY;
     if (own.alpha != GP_ALPHA_BLACK)
         own.alpha = t->alpha;
     // integers where the format has nothing else, or nothing says otherwise
-    const bool scene = kind == GP_PICTURE_SCENE;
-    const bool integer = is_tiff(t) ? p->type == GP_OUT_AUTO && !scene
-                                    : !t->floats;
-    GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, &pic));
+    const bool scene = j->kind == GP_PICTURE_SCENE;
+    const bool integer =
+        is_tiff(t) ? own.type == GP_OUT_AUTO && !scene : !t->floats;
+    job.p = &own;
+    GP_TRY(gp_picture_make(&job, &pic));
     const size_t n = (size_t) pic.width * (size_t) pic.height *
                      (size_t) pic.channels;
-    GP_TRY(gp_shared_make(log, path, n * sizeof(float), &pixels));
+    GP_TRY(gp_shared_make(log, j->path, n * sizeof(float), &pixels));
     const struct gp_picture_form samples = {
         .bytes = sizeof(float),
         .fractions = integer,
@@ -194,16 +192,16 @@ static gp_status write_by_helper(const struct gp_log *log,
         .finish = t->floats && t->bits == 0 ? round_radiance : NULL,
     };
     GP_TRY(gp_picture_samples(log, &pic, &samples));
-    GP_TRY(gp_file_open(log, path, p->create_dir, &file));
-    if (p->fsync)
-        gp_file_sync(file);
     const struct gp_decoded image = {
-        .path = gp_file_path(file), .data = {0, 0, pic.width, pic.height},
+        .path = gp_is_dash(j->path) ? "stdout" : j->path,
+        .data = {0, 0, pic.width, pic.height},
         .display = {0, 0, pic.width, pic.height},
-        .channels = pic.channels, .channel_name = names,
+        .channels = pic.channels,
+        .channel_name = names,
         .chromaticities = scene ? pic.f->chromaticities : NULL,
-        .colour_space = kind == GP_PICTURE_ENCODED ? ""
-                        : integer                  ? "sRGB" : "Linear",
+        .colour_space = j->kind == GP_PICTURE_ENCODED ? ""
+                        : integer                     ? "sRGB"
+                                                      : "Linear",
     };
     const char *type = own.type == GP_OUT_HALF ? "half" : "float";
     if (integer)
@@ -211,11 +209,9 @@ static gp_status write_by_helper(const struct gp_log *log,
     GP_TRY(gp_oiio_write(log, &image, NULL, &pixels, target.ending, type,
                          is_tiff(t) ? tiff_compression(own.compression) : "",
                          &s));
-    GP_TRY(gp_file_write(file, s.data, s.size));
-    GP_TRY(gp_file_commit(&file));
+    st = gp_file_save(log, j->path, own.create_dir, own.fsync, s.data, s.size);
 out:
     gp_stream_close(&s);
-    gp_file_discard(&file);
     gp_shared_free(&pixels);
     gp_picture_free(&pic);
     return st;
@@ -286,10 +282,11 @@ gp_status gp_write_picture(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats)
 {
+    const struct gp_picture_job job = {log, p, path, f, planes, kind, stats};
     const struct target t = target_of(p, path);
     const gp_status st = t.format && t.format->write != write_by_helper
                              ? GP_OK : check_format(log, p, path, &t);
-    return st ? st : t.format->write(log, p, path, f, planes, kind, stats);
+    return st ? st : t.format->write(&job);
 }
 
 gp_status gp_write_hdr(const struct gp_log *log,

@@ -71,7 +71,7 @@ struct gp_write_params {
     enum gp_stdout_format stdout_format;
     enum gp_raw_format raw;     // with GP_STDOUT_RAW
     bool no_clobber, create_dir;
-    bool fsync; // gp_file_sync()
+    bool fsync; // as gp_file_open() syncs
     bool pages; // gp_write_check() lets names in .html pass: the
                 // caller writes these
     bool converted;             // --hdr: not in the input's primaries any more

@@ -381,8 +381,12 @@ static gp_status write_as(const struct format *t, const char *path,
                           const struct gp_frame *f)
 {
     struct gp_write_stats stats = {0};
-    return (t->ending[0] ? gp_write_picture : gp_raw_write)(
-        &kept_log, &t->p, path, f, &f->rgb, GP_PICTURE_SHOWN, &stats);
+    const struct gp_picture_job raw = {
+        &kept_log, &t->p, path, f, &f->rgb, GP_PICTURE_SHOWN, &stats,
+    };
+    return t->ending[0] ? gp_write_picture(&kept_log, &t->p, path, f, &f->rgb,
+                                           GP_PICTURE_SHOWN, &stats)
+                        : gp_raw_write(&raw);
 }
 
 /* The light of a row with its layer, as a file's frame; the caller frees it. */

@@ -88,7 +88,7 @@ gp_status gp_page_save(const struct gp_log *log, const struct gp_settings *s,
     struct gp_file *f = NULL;
     gp_status st = text ? GP_OK : gp_no_memory(log, path);
     GP_TRY(st);
-    GP_TRY(gp_file_open(log, path, false, &f));
+    GP_TRY(gp_file_open(log, path, false, false, &f));
     GP_TRY(gp_file_write(f, gp_page_before, strlen(gp_page_before)));
     GP_TRY(write_json(f, text));
     GP_TRY(gp_file_write(f, gp_page_after, strlen(gp_page_after)));

@@ -8,6 +8,7 @@
 #include "core/half.h"
 #include "core/memory.h"
 #include "io/channels.h"
+#include "io/io_priv.h"
 
 #include <float.h>
 #include <math.h>
@@ -453,9 +454,8 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
         w->chunks[i] = in->index->part[i].chunks;
         flags |= gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
     }
-    GP_TRY(gp_file_open(w->log, w->path, w->p->create_dir, &w->file));
-    if (w->p->fsync)
-        gp_file_sync(w->file);
+    GP_TRY(
+        gp_file_open(w->log, w->path, w->p->create_dir, w->p->fsync, &w->file));
     gp_exr_out_begin(&w->out, w->log, w->file, flags);
     for (int i = 0; i < w->parts; i++) {
         const struct part *const part = &w->part[i];
@@ -545,19 +545,16 @@ out:
     return st;
 }
 
-gp_status gp_exr_write_picture(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind,
-    struct gp_write_stats *stats)
+gp_status gp_exr_write_picture(const struct gp_picture_job *j)
 {
     struct writing w = {
-        .log = log,
-        .p = p,
-        .path = path,
+        .log = j->log,
+        .p = j->p,
+        .path = j->path,
         .kept =
-            kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE : GP_EXR_KEEP_SHOWN,
+            j->kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE : GP_EXR_KEEP_SHOWN,
     };
-    return write_layers(w, f, NULL, planes, 1, stats);
+    return write_layers(w, j->f, NULL, j->planes, 1, j->stats);
 }
 
 gp_status gp_exr_write_parts(const struct gp_log *log,

@@ -192,7 +192,7 @@ static void make_parts(const char *path, const struct gp_frame *f,
     const int chunks[4] = {TILES, gp_rect_h(f->data), ROWS, ROWS};
     struct gp_file *file;
     struct gp_exr_out out;
-    assert_ok(gp_file_open(&kept_all, path, false, &file));
+    assert_ok(gp_file_open(&kept_all, path, false, false, &file));
     gp_exr_out_begin(&out, &kept_all, file, GP_EXR_MULTIPART | GP_EXR_DEEP);
     put_part(&out, "rips", "tiledimage", 8, 8, TILES);
     static const uint8_t tiles[9] = {4, 0, 0, 0, 4, 0, 0, 0, 2}; // rip, down
@@ -315,7 +315,7 @@ static void make_attributes(const char *path, const struct gp_frame *f)
     const struct gp_exr_index_part own = {.attr = attr, .attrs = COUNT(attr)};
     struct gp_file *file;
     struct gp_exr_out out;
-    assert_ok(gp_file_open(&kept_all, path, false, &file));
+    assert_ok(gp_file_open(&kept_all, path, false, false, &file));
     gp_exr_out_begin(&out, &kept_all, file, 0);
     gp_exr_put_part(&out, f, &img, &own, GP_EXR_KEEP_ALL, &wf_defaults, 0);
     assert_ok(gp_exr_out_tables(&out, &chunks, 1));

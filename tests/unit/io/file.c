@@ -26,7 +26,7 @@ static void assert_text(const char *path, const char *text)
 static void write_text(const char *path, const char *text)
 {
     struct gp_file *f;
-    assert_ok(gp_file_open(&kept_all, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, false, &f));
     assert_ok(gp_file_write(f, text, strlen(text)));
     assert_ok(gp_file_commit(&f));
     assert_text(path, text);
@@ -36,7 +36,7 @@ static void whole_or_nothing(void **state)
 {
     struct gp_file *f;
     const char *path = wf_path("whole");
-    assert_ok(gp_file_open(&kept_all, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, false, &f));
     assert_ok(gp_file_write(f, "abcdef", 6));
     assert_false(gp_file_exists(path));
     assert_int_equal(wf_names(), 1); // the temporary one
@@ -46,7 +46,7 @@ static void whole_or_nothing(void **state)
     assert_int_equal(wf_names(), 1);
     assert_text(path, "aXYdef");
 
-    assert_ok(gp_file_open(&kept_all, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, false, &f));
     assert_ok(gp_file_write(f, "other", 5));
     gp_file_discard(&f);
     gp_file_discard(&f); // twice is fine
@@ -101,7 +101,7 @@ static void no_mode_is_wider(void **state)
         }
         umask(row[i].mask);
         if (geteuid() == 0 || row[i].old != 0400) {
-            assert_ok(gp_file_open(&kept_all, path, false, &f));
+            assert_ok(gp_file_open(&kept_all, path, false, false, &f));
             assert_int_equal(fail_made_mode & ~row[i].mask & ~row[i].want, 0);
             assert_ok(gp_file_commit(&f));
             assert_int_equal(stat(path, &s), 0);
@@ -136,8 +136,8 @@ static void names(void **state)
 static void write_both(const char *one, const char *other, bool keep_other)
 {
     struct gp_file *a, *b;
-    assert_ok(gp_file_open(&kept_all, one, false, &a));
-    assert_ok(gp_file_open(&kept_all, other, false, &b));
+    assert_ok(gp_file_open(&kept_all, one, false, false, &a));
+    assert_ok(gp_file_open(&kept_all, other, false, false, &b));
     assert_ok(gp_file_write(a, "first", 5));
     assert_ok(gp_file_write(b, "second, longer", 14));
     if (!keep_other)
@@ -181,7 +181,7 @@ static gp_status write_much(const char *path)
 {
     struct gp_file *f;
     static uint8_t block[1 << 16];
-    gp_status st = gp_file_open(&kept_all, path, false, &f);
+    gp_status st = gp_file_open(&kept_all, path, false, false, &f);
     if (st)
         return st;
     for (int i = 0; i < 64 && !st; i++)
@@ -225,7 +225,7 @@ static void a_close_that_fails(void **state)
     wf_write_text(wf_path("f"), "old");
     for (int straight = 0; straight < 2; straight++) {
         assert_ok(gp_file_open(&kept_all, straight ? "/dev/null" : wf_path("f"),
-                               false, &f));
+                               false, false, &f));
         assert_ok(gp_file_write(f, "new", 3));
         fail_always.closes = true;
         const gp_status st = gp_file_commit(&f);
@@ -244,7 +244,7 @@ static void pipes(void **state)
     struct gp_file *f;
     assert_int_equal(pipe(ends), 0);
     snprintf(path, sizeof path, "/dev/fd/%d", ends[1]);
-    assert_ok(gp_file_open(&kept_all, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, false, &f));
     assert_ok(gp_file_write(f, "abc", 3));
     assert_ok(gp_file_patch(f, 0, "A", 1));
     assert_ok(gp_file_commit(&f));
@@ -281,7 +281,7 @@ static void descriptors(void **state)
     const int fd = open(wf_path("log"), O_WRONLY | O_APPEND);
     for (int i = 0; i < 2; i++) {
         snprintf(path, sizeof path, "/%s/fd/%d", i ? "proc/self" : "dev", fd);
-        assert_ok(gp_file_open(&kept_all, path, false, &f));
+        assert_ok(gp_file_open(&kept_all, path, false, false, &f));
         assert_ok(gp_file_write(f, "new", 3));
         assert_ok(gp_file_commit(&f));
     }
@@ -292,7 +292,8 @@ static void descriptors(void **state)
     close(fd);
     wf_write_text(wf_path("f"), "old");
     snprintf(path, sizeof path, "/proc/self/root%s", wf_path("f"));
-    assert_int_equal(gp_file_open(&kept_all, path, false, &f), GP_ERR_IO);
+    assert_int_equal(gp_file_open(&kept_all, path, false, false, &f),
+                     GP_ERR_IO);
     assert_kept("own folder");
     assert_text(wf_path("f"), "old");
 }
@@ -351,7 +352,7 @@ static void assert_refused(const struct refused_row *row)
     assert_int_equal(gp_file_check(&kept_all, path, row->create_dir),
                      row->checked ? GP_ERR_IO : GP_OK);
     kept_clear();
-    assert_int_equal(gp_file_open(&kept_all, path, row->create_dir, &f),
+    assert_int_equal(gp_file_open(&kept_all, path, row->create_dir, false, &f),
                      GP_ERR_IO);
     assert_null(f);
     assert_ptr_equal(strstr(kept_line, path), kept_line);
@@ -373,7 +374,8 @@ static void folders_are_made_or_not(void **state)
         assert_refused(&row[i]);
     for (int i = 0; i < 2; i++) { // missing, and there
         struct gp_file *f;
-        assert_ok(gp_file_open(&kept_all, wf_path("new/er/x"), true, &f));
+        assert_ok(
+            gp_file_open(&kept_all, wf_path("new/er/x"), true, false, &f));
         gp_file_discard(&f);
         assert_int_equal(stat(wf_path("new/er"), &s), 0);
         assert_true(S_ISDIR(s.st_mode));
@@ -417,7 +419,7 @@ static void patches_stay_inside(void **state)
         {1, SIZE_MAX, GP_ERR_BUG},
     };
     struct gp_file *f;
-    assert_ok(gp_file_open(&kept_all, wf_path("p"), false, &f));
+    assert_ok(gp_file_open(&kept_all, wf_path("p"), false, false, &f));
     assert_ok(gp_file_write(f, "abcdef", 6));
     for (size_t i = 0; i < COUNT(row); i++) {
         kept_clear();

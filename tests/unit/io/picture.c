@@ -22,8 +22,12 @@ static void windows_that_are_no_picture(void **state)
         struct gp_picture pic;
         f.display = display[i];
         kept_clear();
-        assert_int_equal(gp_picture_make(&kept_all, &p, "p.png", &f, &f.rgb,
-            GP_PICTURE_SCENE, &pic), GP_ERR_DATA);
+        assert_int_equal(
+            gp_picture_make(&(struct gp_picture_job) {&kept_all, &p, "p.png",
+                                                      &f, &f.rgb,
+                                                      GP_PICTURE_SCENE, NULL},
+                            &pic),
+            GP_ERR_DATA);
         assert_kept("p.png: ");
         assert_int_equal(pic.channels, 0); // empty
     }
@@ -40,7 +44,9 @@ static void floats_with_alpha(void **state)
     float to[2][4][4];
     const struct gp_picture_form samples = {.bytes = 4, .to = to};
     p.alpha = GP_ALPHA_KEEP;
-    assert_ok(gp_picture_make(&kept_all, &p, "p", &f, &f.rgb, GP_PICTURE_SCENE,
+    assert_ok(gp_picture_make(&(struct gp_picture_job) {&kept_all, &p, "p", &f,
+                                                        &f.rgb,
+                                                        GP_PICTURE_SCENE, NULL},
                               &pic));
     assert_int_equal(pic.channels, 4);
     memset(to, 0xff, sizeof to);
