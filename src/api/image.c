@@ -155,9 +155,7 @@ gp_status gp_api_plane(const struct gp_log *log,
                               .v = one.plane[0]};
     if (out->borrowed)
         return GP_OK;
-    st = gp_alloc(log, "plane", (size_t) gp_rect_w(data) *
-                                    (size_t) gp_rect_h(data),
-                  sizeof *out->v, &out->v);
+    st = gp_alloc(log, "plane", gp_rect_pixels(data), sizeof *out->v, &out->v);
     if (!st)
         copy_planes(&one, &(struct gp_planes) {{out->v}}, 1, false);
     return st;

@@ -116,8 +116,7 @@ void gp_frame_state_end(struct gp_frame_state *fs)
     gp_plane_free(&fs->mask);
     gp_plane_free(&fs->source_mask);
     gp_stored_image_free(&fs->deep);
-    GP_FREE(fs->deep_name);
-    GP_FREE(fs->deep_name);
+    gp_free(fs->deep_name);
     for (int c = 0; c < 3; c++) {
         gp_plane_free(&fs->normal[c]);
         gp_plane_free(&fs->albedo[c]);

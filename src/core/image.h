@@ -23,6 +23,11 @@ static inline int gp_rect_h(struct gp_rect r)
     return r.y1 > r.y0 ? r.y1 - r.y0 : 0;
 }
 
+static inline size_t gp_rect_pixels(struct gp_rect r)
+{
+    return (size_t) gp_rect_w(r) * (size_t) gp_rect_h(r);
+}
+
 /* Returns the middle of a window on axis k, 0 x or 1 y. */
 static inline double gp_rect_middle(struct gp_rect r, int k)
 {
@@ -131,7 +136,7 @@ static inline struct gp_rect gp_image_read(const struct gp_image *f)
 
 static inline size_t gp_image_pixels(const struct gp_image *f)
 {
-    return (size_t) gp_image_w(f) * (size_t) gp_image_h(f);
+    return gp_rect_pixels(f->data);
 }
 
 /* Allocates three planes of w * h uninitialised samples, each at GP_ALIGN, in

@@ -256,7 +256,7 @@ gp_status gp_luminance_percentile(const struct gp_log *log,
     const struct gp_image *f, double percent, float *out)
 {
     const struct gp_rect read = gp_image_read(f);
-    const size_t pixels = (size_t) gp_rect_w(read) * (size_t) gp_rect_h(read);
+    const size_t pixels = gp_rect_pixels(read);
     // 99.9 in binary is a little more, and would skip a pixel of 1000
     const double k = percent / 100.0 * (double) pixels;
     const uint64_t rank = (uint64_t) ceil(k - 1e-9 * k);

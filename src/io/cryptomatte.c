@@ -540,10 +540,8 @@ static gp_status read_rank(const struct reading *c, const struct rank *r,
     for (int k = 0; k < 4; k++) {
         if (r->channel[k & 2] < 0) // coverage without an id
             continue;
-        GP_TRY(
-            gp_alloc(c->log, "Cryptomatte",
-                     (size_t) gp_rect_w(a->from) * (size_t) gp_rect_h(a->from),
-                     sizeof *a->v[k], &a->v[k]));
+        GP_TRY(gp_alloc(c->log, "Cryptomatte", gp_rect_pixels(a->from),
+                        sizeof *a->v[k], &a->v[k]));
         if (own)
             gp_channel_floats(c->f, r->channel[k], a->v[k]);
         else

@@ -130,8 +130,7 @@ out:
 
 void gp_decoded_channel(const struct gp_decoded *image, int channel, float *to)
 {
-    const size_t n = (size_t) gp_rect_w(image->data) *
-                     (size_t) gp_rect_h(image->data);
+    const size_t n = gp_rect_pixels(image->data);
     for (size_t i = 0; i < n; i++)
         to[i] = image->pixels[i * (size_t) image->channels + (size_t) channel];
 }

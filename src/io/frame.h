@@ -85,7 +85,7 @@ static inline struct gp_rect gp_frame_read(const struct gp_frame *f)
 
 static inline size_t gp_frame_pixels(const struct gp_frame *f)
 {
-    return (size_t) gp_frame_w(f) * (size_t) gp_frame_h(f);
+    return gp_rect_pixels(f->data);
 }
 
 /* Returns a frame of that window without pixels: floats, square, in Rec.709,

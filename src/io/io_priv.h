@@ -74,17 +74,7 @@ GP_MUST_CHECK gp_status gp_pfm_length(struct gp_stream *stream,
 
 /* -- writing --------------------------------------------------------------- */
 
-/* What gp_write_picture() is given. */
-struct gp_picture_job {
-    const struct gp_log *log;
-    const struct gp_write_params *p;
-    const char *path;
-    const struct gp_frame *f;
-    const struct gp_planes *planes;
-    enum gp_picture_kind kind;
-    struct gp_write_stats *stats;
-};
-/* Does it for one format. */
+/* gp_write_picture() for one format. */
 typedef gp_status gp_picture_writer(const struct gp_picture_job *j);
 
 /* PNG: RGB, or RGBA with GP_ALPHA_KEEP and an alpha channel.

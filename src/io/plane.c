@@ -338,9 +338,8 @@ static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
                               struct gp_plane *out)
 {
     out->window = window;
-    return gp_alloc(log, "depth or coverage",
-        (size_t) gp_rect_w(window) * (size_t) gp_rect_h(window), sizeof *out->v,
-        &out->v);
+    return gp_alloc(log, "depth or coverage", gp_rect_pixels(window),
+                    sizeof *out->v, &out->v);
 }
 
 /* -- from an EXR ---------------------------------------------------------- */

@@ -142,6 +142,17 @@ GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
+/* What it is given, for the writers of formats. */
+struct gp_picture_job {
+    const struct gp_log *log;
+    const struct gp_write_params *p;
+    const char *path;
+    const struct gp_frame *f;
+    const struct gp_planes *planes;
+    enum gp_picture_kind kind;
+    struct gp_write_stats *stats;
+};
+
 /* A frame, and the new planes of its colour channels (w * h of its data), both
  * borrowed. */
 struct gp_hdr_colour {

@@ -83,8 +83,7 @@ static void turn_normals(const struct gp_log *log, const char *path,
                   only_z, looked);
     } else if (only_z == more) {
         const struct gp_plane y = normal[1];
-        const size_t n = (size_t) gp_rect_w(y.window) *
-                         (size_t) gp_rect_h(y.window);
+        const size_t n = gp_rect_pixels(y.window);
         for (size_t i = 0; i < n; i++)
             y.v[i] = -y.v[i];
         normal[1] = normal[2];
@@ -195,8 +194,7 @@ static void warn_of_dark(const struct lighting *l, const char *const *name,
 /* Returns a distance that no surface is nearer than. */
 static double nearest(const struct gp_plane *depth)
 {
-    const size_t n = (size_t) gp_rect_w(depth->window) *
-                     (size_t) gp_rect_h(depth->window);
+    const size_t n = gp_rect_pixels(depth->window);
     double near = INFINITY;
     for (size_t i = 0; i < n; i++) {
         if (depth->v[i] > 0.0f)

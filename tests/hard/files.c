@@ -375,18 +375,20 @@ static void name_of(const char *stem, const struct format *t, char path[64])
              t->ending);
 }
 
-/* Raw frames are for names without an ending, pipes: to a file only by their
- * own writer. */
+/* Raw frames have no ending: they go to a file only by their own writer. */
 static gp_status write_as(const struct format *t, const char *path,
                           const struct gp_frame *f)
 {
-    struct gp_write_stats stats = {0};
-    const struct gp_picture_job raw = {
-        &kept_log, &t->p, path, f, &f->rgb, GP_PICTURE_SHOWN, &stats,
-    };
-    return t->ending[0] ? gp_write_picture(&kept_log, &t->p, path, f, &f->rgb,
-                                           GP_PICTURE_SHOWN, &stats)
-                        : gp_raw_write(&raw);
+    const struct gp_picture_job j = {&kept_log,
+                                     &t->p,
+                                     path,
+                                     f,
+                                     &f->rgb,
+                                     GP_PICTURE_SHOWN,
+                                     &(struct gp_write_stats) {0}};
+    return !t->ending[0] ? gp_raw_write(&j)
+                         : gp_write_picture(j.log, j.p, path, f, j.planes,
+                                            j.kind, j.stats);
 }
 
 /* The light of a row with its layer, as a file's frame; the caller frees it. */

@@ -506,8 +506,7 @@ static gp_status fill(const struct gp_log *log, const struct gp_page_set *s,
     GP_TRY(sum_scores(log, s, bw, bh, &sum));
     for (int i = 0; i < 6 && total > bytes && pixels >= BLOCK * BLOCK; i++) {
         p->region = find_region(s, sum, bw, bh, pixels);
-        p->n = averages.n +
-               (size_t) gp_rect_w(p->region) * (size_t) gp_rect_h(p->region);
+        p->n = averages.n + gp_rect_pixels(p->region);
         GP_TRY(pack_all(log, s, p, false, FAST, &total));
         pixels *= 0.9 * ((double) bytes - (double) used) /
                   fmax((double) total - (double) used, 1.0);

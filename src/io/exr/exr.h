@@ -179,7 +179,6 @@ GP_MUST_CHECK gp_status gp_read_exr(const struct gp_log *log,
 
 /* gp_write_picture(), gp_write_parts() and gp_write_hdr() once `path` is
  * checked. */
-struct gp_picture_job;
 GP_MUST_CHECK gp_status gp_exr_write_picture(const struct gp_picture_job *j);
 GP_MUST_CHECK gp_status gp_exr_write_parts(
     const struct gp_log *log, const struct gp_write_params *p, const char *path,

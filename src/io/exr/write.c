@@ -8,7 +8,6 @@
 #include "core/half.h"
 #include "core/memory.h"
 #include "io/channels.h"
-#include "io/io_priv.h"
 
 #include <float.h>
 #include <math.h>

@@ -399,9 +399,8 @@ static gp_status read_by(const struct gp_log *log, struct gp_oiio_ask *ask,
         end_helper("sent an invalid header");
         return call_failed(log, image->path, false, NULL, "");
     }
-    const size_t bytes = (size_t) gp_rect_w(image->data) *
-                         (size_t) gp_rect_h(image->data) *
-                         (size_t) image->channels * sizeof(float);
+    const size_t bytes =
+        gp_rect_pixels(image->data) * (size_t) image->channels * sizeof(float);
     if (!st)
         st = gp_shared_make(log, image->path, bytes, &in->pixels);
     if (st)

@@ -82,9 +82,6 @@ struct gp_draw_light {
     int shadows, lits;
     struct gp_rect cut; // pixels that its pass may change
     const struct gp_rect *own; // ... of each lit object; NULL: cut
-    double near, far;   // distances along the view axis that it may change; far
-                        // INFINITY: no limit. Counts where the context's info
-                        // has depth_bounds
     struct gp_box all;  // of a sun: holds every lit object, the same for every
                         // choice of them: its map is laid over it
 };

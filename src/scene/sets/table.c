@@ -141,13 +141,14 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
     for (int i = 0; i < lits && last; i++)
         w->cut[i] = gp_sets_scissor_of(sets, w->list[i]);
     const struct gp_draw_light l = {
-        .light = &w->s->light[light], .shadow = w->caster, .lit = w->list,
+        .light = &w->s->light[light],
+        .shadow = w->caster,
+        .lit = w->list,
         .shadows = list_set(w, sets, GP_SET_S, 0, n, w->caster),
-        .lits = lits, .own = last ? w->cut : NULL,
-        // the least and largest depth are surfaces: a little beyond them
-        .cut = cut.rect, .near = last ? cut.near * (1.0 - 1e-5) : 0.0,
-        .far = last ? cut.far * (1.0 + 1e-5) : INFINITY, .all = w->all,
-    };
+        .lits = lits,
+        .own = last ? w->cut : NULL,
+        .cut = cut.rect,
+        .all = w->all};
     row->lit += l.lits;
     row->casters += l.shadows;
     row->separate_batches += gp_sets_batches(sets, GP_SET_I) +

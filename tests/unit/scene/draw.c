@@ -74,9 +74,13 @@ static struct gp_draw_light light_of(int i, int shadows)
         all = gp_box_with(all, scene.object[k].box.hi);
     }
     return (struct gp_draw_light) {
-        .light = &scene.light[i], .shadow = every, .lit = every,
-        .shadows = shadows, .lits = scene.objects, .cut = {0, 0, W, H},
-        .far = INFINITY, .all = all,
+        .light = &scene.light[i],
+        .shadow = every,
+        .lit = every,
+        .shadows = shadows,
+        .lits = scene.objects,
+        .cut = {0, 0, W, H},
+        .all = all,
     };
 }
 
