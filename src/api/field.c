@@ -425,9 +425,8 @@ static void warn_of_kernel(const struct glarepp_frame *f, const struct made *m,
     const double used = field->degrees * gp_kernel_request_scale(r, field);
     fault.parameter = "kernel.percent.angle";
     snprintf(fault.line, sizeof fault.line,
-             "made for %.4g degrees a pixel, "
-             "used at %.4g (%.4g%% of it would fit); make it again for this "
-             "angle and size",
+             "made for %.4g degrees a pixel, used at %.4g (%.4g%% of it would "
+             "fit); make it again for this angle and size",
              made, used, 100.0 * made / field->degrees);
     if (fabs(used / made - 1.0) > 0.01 &&
         gp_api_says(&m->of->said, GP_SAID_ANGLE))

@@ -273,8 +273,7 @@ static gp_status take_deep(struct glarepp_frame *f,
     }
     if (!d.first || !d.z || !d.alpha || gp_rect_empty(d.window))
         return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.deep",
-                          "%s: deep pixels "
-                          "need channels Z and A of floats",
+                          "%s: deep pixels need channels Z and A of floats",
                           s && s->name ? s->name : f->sink.name);
     f->deep = d;
     f->hidden = false;

@@ -154,13 +154,10 @@ out:
 static gp_status take_lens(struct glarepp_plan *plan,
                            const struct glarepp_lens_params *from)
 {
-    struct glarepp_lens_params p = GLAREPP_LENS_PARAMS;
-    gp_status st;
-    GP_TRY(gp_api_params(&plan->log, "lens", &p, sizeof p, from));
-    GP_TRY(keep(plan, &p.lens));
-    plan->lens_params = p;
-out:
-    return st;
+    struct glarepp_lens_params *const p = &plan->lens_params;
+    *p = (struct glarepp_lens_params) GLAREPP_LENS_PARAMS;
+    const gp_status st = gp_api_params(&plan->log, "lens", p, sizeof *p, from);
+    return st ? st : keep(plan, &p->lens);
 }
 
 static gp_status take_tone(struct glarepp_plan *plan,
@@ -367,8 +364,7 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
     if (p.fov >= 180.0 && p.projection != GLAREPP_FISHEYE &&
         p.projection != GLAREPP_EQUISOLID)
         GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "plan.fov.wide",
-                          "fov: %g "
-                          "degrees are more than a plane can show",
+                          "fov: %g degrees are more than a plane can show",
                           p.fov));
     GP_TRY(gp_alloc_zero(&gp->log, "plan", MOST_TEXTS + 1, sizeof *plan->text,
                          &plan->text));

@@ -14,7 +14,6 @@
 
 static const double USUAL_RATE = 24.0; // frames a second, without an attribute
 static const double MOST_APART = 0.5;  // pixels between two cameras
-static const double PI = 3.14159265358979323846;
 
 // -- reading ------------------------------------------------------------------
 
@@ -86,7 +85,7 @@ gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
         GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too many lights (found %d); the "
                        "limit is %d", p->path, s->lights, GP_LIGHTS_MAX));
     if (camera)
-        work->lights->suns.more_fov = camera->yfov * (180.0 / PI);
+        work->lights->suns.more_fov = camera->yfov * (180.0 / M_PI);
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) s->lights + 1,
                          sizeof *own->light, &own->light));
 out:
@@ -132,7 +131,7 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     spec.ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size;
     memcpy(spec.name, l->name, sizeof spec.name);
     // of half the angle that the disc is seen under
-    double sine = gp_sin(spec.degrees * (PI / 360.0));
+    double sine = gp_sin(spec.degrees * (M_PI / 360.0));
     if (!c || !(plan->scene.light_scale > 0.0))
         return spec;
     // a disc of a small angle has as many pixels as its sine's square says
@@ -150,7 +149,7 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     const double radius =
         c->wide.kind
             ? 2.0 * gp_sin(0.5 * gp_asin(sine)) / sqrt(c->wide.dx * c->wide.dy)
-            : gp_camera_disc(c, display, dir, gp_asin(sine) * (360.0 / PI));
+            : gp_camera_disc(c, display, dir, gp_asin(sine) * (360.0 / M_PI));
     const double flux = plan->scene.light_scale * power * radius *
                         radius / fmax(sine * sine, 1e-18);
     for (int i = 0; i < 3; i++)

@@ -226,8 +226,7 @@ gp_status gp_bench_sun(const struct gp_log *log,
         goto out;
     if (p->plot || p->page)
         GP_TRY(gp_fail(log, GP_ERR_USAGE,
-                       "--%s: cannot show the sun's table; "
-                       "use --csv or --json",
+                       "--%s: cannot show the sun's table; use --csv or --json",
                        p->plot ? "plot" : "html"));
     if (!b.lights)
         GP_TRY(gp_fail(log, GP_ERR_DATA,

@@ -194,8 +194,7 @@ gp_status gp_bench_whole_run(const struct gp_bench *b,
     made = n < (int) sizeof w.folder && mkdtemp(w.folder);
     if (!made)
         GP_TRY(gp_fail(b->log, GP_ERR_IO,
-                       "%s: cannot make a folder for outputs (%s);"
-                       " set TMPDIR",
+                       "%s: cannot make a folder for outputs (%s); set TMPDIR",
                        w.folder, strerror(errno)));
     GP_TRY((gp_status) glarepp_plan(b->req->gp, &p, &plan));
     for (int i = 0; i <= b->req->params->runs; i++)

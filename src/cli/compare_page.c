@@ -218,9 +218,8 @@ static void note_shown(const struct gp_compare_row *e, json_t *notes)
         const struct gp_stored_image *const m = e->image[k];
         if (m->integers)
             add_note(notes, k ? "B" : "A",
-                     " has integers: its picture and the "
-                     "values under the pointer are linear light, figures are "
-                     "of stored values",
+                     " has integers: its picture and the values under the "
+                     "pointer are linear light, figures are of stored values",
                      "");
         const int at = in[k][f->channel];
         for (int c = 0; c < 3 && at >= 0; c++)
@@ -410,9 +409,8 @@ gp_status gp_compare_pages_begin(const struct gp_log *log,
         GP_TRY(gp_pattern_find(log, html, &out->pattern));
     if (index && !out->pattern.len)
         GP_TRY(gp_fail(log, GP_ERR_USAGE,
-                       "%s: an index needs a page for each "
-                       "frame (found %s); give --html a pattern, e.g. "
-                       "page.####.html",
+                       "%s: an index needs a page for each frame (found %s); "
+                       "give --html a pattern, e.g. page.####.html",
                        index, html ? html : "no --html"));
     if (index && !link_of(index, html))
         GP_TRY(gp_fail(log, GP_ERR_USAGE,

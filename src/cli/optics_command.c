@@ -339,8 +339,7 @@ static void print_ghosts(const struct glarepp_lens *lens)
     struct glarepp_ghost *const ghost = lens->ghost;
     const int n = lens->ghosts;
     printf("ghosts       %d; those with most light on the axis at 587.6 nm, of "
-           "the "
-           "image's light:\n",
+           "the image's light:\n",
            n);
     for (int i = 0; i < n && i < SHOWN; i++) {
         int best = i;

@@ -494,9 +494,8 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     for (int i = 0; i < r->jobs->n && r->s->keyeds; i++) {
         if (!gp_job_number(&r->jobs->job[i], &frame))
             return gp_fail(log, GP_ERR_USAGE,
-                           "%s: no frame number in this "
-                           "input (--%s has keys); add one to its name, or "
-                           "give one value",
+                           "%s: no frame number in this input (--%s has keys); "
+                           "add one to its name, or give one value",
                            r->jobs->job[i].input, r->s->keyed[0].option->name);
     }
     for (int i = 0; i < r->jobs->targets; i++)
@@ -579,8 +578,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         GP_TRY(gp_tracks_write(log, &p.tracks, s->sun.write_lights));
     else if (s->sun.write_lights)
         gp_say(log, GP_LEVEL_WARN,
-               "%s: not written: no frame has a light; "
-               "lower --threshold",
+               "%s: not written: no frame has a light; lower --threshold",
                s->sun.write_lights);
     GP_TRY(gp_failures_report(log, jobs, atomic_load(&p.kept)));
 out:;

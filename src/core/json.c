@@ -169,6 +169,8 @@ gp_status gp_json_fail(const struct gp_json_place *p, const char *fmt, ...)
 
 size_t gp_json_memory(const char *text, size_t bytes)
 {
+    static const unsigned char cost[256] = {
+        ['{'] = 210, ['['] = 120, [','] = 40, [':'] = 40, ['"'] = 24};
     size_t sum = bytes;
     bool quoted = false;
     for (size_t i = 0; i < bytes; i++) {
@@ -179,23 +181,7 @@ size_t gp_json_memory(const char *text, size_t bytes)
         if (quoted && text[i] != '"')
             continue;
         quoted ^= text[i] == '"';
-        switch (text[i]) {
-        case '{':
-            sum += 210;
-            break;
-        case '[':
-            sum += 120;
-            break;
-        case ',':
-        case ':':
-            sum += 40;
-            break;
-        case '"':
-            sum += 24;
-            break;
-        default:
-            break;
-        }
+        sum += cost[(unsigned char) text[i]];
     }
     return sum;
 }
@@ -265,9 +251,7 @@ gp_status gp_open_regular(const struct gp_log *log, const char *path, int *fd,
                      path, strerror(errno));
     else if (S_ISDIR(about.st_mode))
         st = gp_fail(log, GP_ERR_IO,
-                     "%s: cannot read (it is a folder); name a "
-                     "file",
-                     path);
+                     "%s: cannot read (it is a folder); name a file", path);
     else if (!S_ISREG(about.st_mode))
         st = gp_fail(log, GP_ERR_DATA,
                      "%s: no regular file (found a FIFO, "
@@ -317,9 +301,8 @@ gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
     if (st)
         return st;
     st = bytes > most ? gp_fail(log, GP_ERR_DATA,
-                                "%s: too large (over %zu KiB); split "
-                                "it",
-                                path, most >> 10)
+                                "%s: too large (over %zu KiB); split it", path,
+                                most >> 10)
                       : gp_json_parse(log, path, text, (size_t) bytes, out);
     gp_free(text);
     return st;

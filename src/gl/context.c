@@ -73,8 +73,7 @@ static gp_status open_osmesa(const struct gp_log *log, void *library,
     if (!o->context)
         GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.gl.osmesa",
                           "OSMesa: cannot make a context (neither 4.5 core nor "
-                          "any other); install the Debian package "
-                          "libosmesa6"));
+                          "any other); install the Debian package libosmesa6"));
     *window = o;
     return GP_OK;
 out:

@@ -89,9 +89,8 @@ static gp_status read_wishes(struct reading *c, const char *names)
             *text++ = *name++ = '\0';
             if (!*w->name)
                 GP_TRY(gp_fail(c->log, GP_ERR_USAGE,
-                               "%s: an empty name of "
-                               "Cryptomatte (found \"%s\"); give "
-                               "crypto:NAME,NAME",
+                               "%s: an empty name of Cryptomatte (found "
+                               "\"%s\"); give crypto:NAME,NAME",
                                c->f->path, names));
             c->wishes++;
             if (!*s)

@@ -333,9 +333,8 @@ static gp_status cannot_write(const struct gp_log *log, const char *path,
     end_naming(&before);
     if (error == ENOENT && lstat(path, &s) == 0 && S_ISLNK(s.st_mode))
         return gp_fail(log, GP_ERR_IO,
-                       "%s: cannot be written (a link into a "
-                       "folder that is not there); remove the link, or make "
-                       "the folder",
+                       "%s: cannot be written (a link into a folder that is "
+                       "not there); remove the link, or make the folder",
                        path);
     return gp_fail(log, GP_ERR_IO, "%s: cannot be written (%s); %s", path,
                    strerror(error), hint(error));

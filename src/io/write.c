@@ -261,9 +261,7 @@ bool gp_write_kept(const struct gp_log *log, const struct gp_write_params *p,
     if (gp_read_has_end(path))
         return true;
     gp_say(log, GP_LEVEL_WARN,
-           "--no-clobber: %s is empty or cut off and is "
-           "made again",
-           path);
+           "--no-clobber: %s is empty or cut off and is made again", path);
     return false;
 }
 

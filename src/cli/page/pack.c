@@ -63,8 +63,7 @@ void gp_page_set_free(struct gp_page_set *s)
 static void read_row(const struct glarepp_image *l, int c,
                      struct gp_rect window, int y, float *row)
 {
-    const struct gp_rect all = {l->data.x0, l->data.y0, l->data.x1, l->data.y1};
-    const struct gp_rect in = gp_rect_meet(all, window);
+    const struct gp_rect all = l->data, in = gp_rect_meet(all, window);
     memset(row, 0, (size_t) gp_rect_w(window) * sizeof *row);
     if (y < in.y0 || y >= in.y1 || gp_rect_empty(in))
         return;
