@@ -35,10 +35,6 @@ int gp_api_end(struct glarepp *outer, gp_status st);
 /* Returns a log to a sink, which it borrows. */
 struct gp_log gp_api_log(struct gp_api_sink *sink);
 
-/* Tells the caller how far a call is. Errors: GP_ERR_CANCELLED it shall end. */
-GP_MUST_CHECK gp_status gp_api_progress(const struct glarepp *gp,
-                                        const char *step, double done);
-
 /* Names the parameter of this call's errors from here on that name none, as
  * gp_api_params() does; NULL leaves it. Returns it. */
 const char *gp_api_about(const char *parameter);

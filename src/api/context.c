@@ -77,15 +77,6 @@ struct gp_log gp_api_log(struct gp_api_sink *sink)
         receive, sink, (enum gp_level) sink->gp->params.level};
 }
 
-gp_status gp_api_progress(const struct glarepp *gp, const char *step,
-                          double done)
-{
-    const struct glarepp_params *const p = &gp->params;
-    return p->progress && p->progress(p->user, step, done)
-               ? gp_fail(&gp->log, GP_ERR_CANCELLED, "%s: cancelled", step)
-               : GP_OK;
-}
-
 // -- calls --------------------------------------------------------------------
 
 /* Contexts that this thread has entered, the last one first: only calls of

@@ -358,6 +358,17 @@ static bool is_asked(const struct glarepp_plan *plan, enum glarepp_step step)
                                    : true;
 }
 
+/* Tells the caller how far a frame is; fails where it shall end. */
+static gp_status tell_progress(const struct glarepp *gp, enum glarepp_step step)
+{
+    const struct glarepp_params *const p = &gp->params;
+    const char *const name = steps[step].name;
+    return p->progress &&
+                   p->progress(p->user, name, (double) step / GLAREPP_STEPS)
+               ? gp_fail(&gp->log, GP_ERR_CANCELLED, "%s: cancelled", name)
+               : GP_OK;
+}
+
 int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
 {
     const unsigned reads = BIT(RELIGHT) | BIT(SENSE) | BIT(VERIFY) | BIT(LENS) |
@@ -380,8 +391,7 @@ int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
     if (steps[step].adds && f->ran & 1u << step)
         GP_TRY(
             gp_api_refuse(f, "step", "%s is there already", steps[step].name));
-    GP_TRY(gp_api_progress(f->plan->gp, steps[step].name,
-                           (double) step / GLAREPP_STEPS));
+    GP_TRY(tell_progress(f->plan->gp, step));
     if (!(1u << step & (BIT(TONE) | BIT(DONE) | BIT(VERIFY))))
         GP_TRY(lend(f));
     if (step == GLAREPP_LENS ||

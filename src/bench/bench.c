@@ -414,13 +414,6 @@ out:
     return st;
 }
 
-static void end_truth(struct gp_bench *b)
-{
-    glarepp_frame_end(&b->truth);
-    glarepp_plan_end(&b->plan);
-    gp_planes_free(&b->shown);
-}
-
 /* Measures all techniques on a frame into *out, in their order. */
 static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
 {
@@ -458,7 +451,9 @@ static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
     GP_TRY(gp_bench_extras(b, out));
     gp_bench_mark_pareto(out);
 out:
-    end_truth(b);
+    glarepp_frame_end(&b->truth);
+    glarepp_plan_end(&b->plan);
+    gp_planes_free(&b->shown);
     return st;
 }
 

@@ -191,11 +191,6 @@ void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *q,
 
 enum { MOST_BYTES = 4 << 20 }; // of a file
 
-bool gp_keys_are(const char *value)
-{
-    return *value == '@' || strchr(value, ':');
-}
-
 /* True for options whose value may be another in each frame: what is made once
  * for a run, or known before a frame is read, is in other groups. */
 static bool may_change(const struct gp_option *o)

@@ -25,9 +25,6 @@ void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *v,
 
 enum { GP_KEYS_MOST = 10000 }; // of one option
 
-/* True when a value of an option of numbers is written as keys. */
-bool gp_keys_are(const char *value);
-
 /* Reads keys, checks the range of each, and adds them to *s, which has none of
  * that option; the value is borrowed.
  * Errors: GP_ERR_USAGE the option does not change over frames; frames that do

@@ -232,16 +232,6 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
     return p;
 }
 
-void gp_frame_params_eye(const struct gp_run_settings *run,
-                         struct glarepp_frame_params *p)
-{
-    if (run->luminance_scale > 0.0)
-        p->white = run->luminance_scale;
-    p->veil = run->report || run->level >= GP_LEVEL_INFO;
-    p->fixated = run->fixation.n > 0;
-    memcpy(p->fixation, run->fixation.v, sizeof p->fixation);
-}
-
 // -- files of glarepp kernel --------------------------------------------------
 
 const char *const gp_recipe_names[GP_KERNEL_RECIPES] = {

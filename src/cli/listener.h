@@ -32,10 +32,6 @@ GP_MUST_CHECK gp_status gp_refuse_cube(const struct gp_log *log,
 struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
                                                const struct gp_frame *f);
 
-/* Adds to them the eye that looks at the frame, and its cd/m2 where they are given. */
-void gp_frame_params_eye(const struct gp_run_settings *run,
-                         struct glarepp_frame_params *p);
-
 /* Names of the recipes' attributes in a file of glarepp kernel;
  * glare/model/README.md has the others. */
 enum { GP_KERNEL_RECIPES = 8 };

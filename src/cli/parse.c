@@ -162,7 +162,7 @@ static gp_status set_value(const struct gp_use *u, struct gp_settings *s)
         return set_text(u, field);
     default: // numbers
         gp_keys_drop(s, u->option);
-        if (gp_keys_are(u->value))
+        if (*u->value == '@' || strchr(u->value, ':'))
             return gp_keys_read(u, s);
         st = gp_quantity_read(u, &q);
         if (!st)

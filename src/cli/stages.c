@@ -184,7 +184,13 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     p.details = r->details;
     p.parts = r->s->output.parts.n > 0;
     p.parts_of_groups = fs->groups > 0;
-    gp_frame_params_eye(fs->own ? &fs->own->s.run : &r->s->run, &p);
+    const struct gp_run_settings *const run =
+        fs->own ? &fs->own->s.run : &r->s->run;
+    if (run->luminance_scale > 0.0)
+        p.white = run->luminance_scale;
+    p.veil = run->report || run->level >= GP_LEVEL_INFO;
+    p.fixated = run->fixation.n > 0;
+    memcpy(p.fixation, run->fixation.v, sizeof p.fixation);
     fs->sphere = (r->s->plan.projection == GLAREPP_OF_FRAME
                       ? p.projection
                       : r->s->plan.projection) == GLAREPP_LATLONG;
