@@ -312,10 +312,10 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
         if (p->run.s->run.report)
             reported = gp_report_frame(p->log, p->run.report, facts);
         if (!st && !reported && v == 0 && p->run.s->sun.write_lights)
-            reported =
-                gp_tracks_add(p->log, &p->tracks, &facts->lib,
-                              facts->job.numbered ? facts->job.frame : first,
-                              facts->read.height);
+            reported = gp_tracks_add(
+                p->log, &p->tracks, &facts->lib,
+                facts->job.of.numbered ? facts->job.of.frame : first,
+                facts->read.height);
     }
     free_unit(p, u);
     return st && !skipped ? st : reported;

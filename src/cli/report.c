@@ -22,7 +22,7 @@ void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *lin
     char of[40] = "";
     const struct glarepp_sense_facts *const s = &f->lib.sense;
     const double t = (double) s->threshold;
-    const char *const file = f->read.source ? f->read.source : f->job.input;
+    const char *const file = f->read.source ? f->read.source : f->job.of.input;
     if (frames > 1)
         snprintf(of, sizeof of, " of %d frames", frames);
     if (f->read.mask && s->peak > s->threshold)
@@ -243,10 +243,10 @@ static const struct row ocio_rows[] = {
 
 /* Fields of every line. Of two with one name the latter counts. */
 static const struct row job_rows[] = {
-    FACT("frame", job.frame, IF(job.numbered)),
+    FACT("frame", job.of.frame, IF(job.of.numbered)),
     SOME("view", read.taken.view[0]),
-    SOME("view", job.view),
-    FACT("input", job.input),
+    SOME("view", job.of.view),
+    FACT("input", job.of.input),
     SOME("part", read.taken.part[0]),
     SOME("layer", read.taken.layer[0]),
     {0},

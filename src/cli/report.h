@@ -26,10 +26,7 @@ enum gp_time {
 
 /* Of the frame's job and its end. */
 struct gp_job_report {
-    bool numbered;
-    int frame;                   // when numbered
-    const char *view;            // of stereo, or NULL
-    const char *input;
+    struct gp_job of;            // borrows
     const char *style;           // NULL: left out
     char *command;               // that makes the picture again; owned, or NULL
     const struct gp_settings *settings; // of the run; NULL: left out

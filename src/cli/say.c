@@ -295,7 +295,8 @@ static void say_outputs(FILE *w, const struct gp_frame_report *f)
 void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f)
 {
     const struct glarepp_errors *const e = &f->lib.errors;
-    const char *const view = f->job.view;
+    const struct gp_job *const job = &f->job.of;
+    const char *const view = job->view;
     const struct {
         bool said;
         void (*say)(FILE *w, const struct gp_frame_report *f);
@@ -317,13 +318,14 @@ void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f)
             continue;
         notes[i].say(w, f);
         fclose(w);
-        gp_say(log, GP_LEVEL_INFO, "%s%s%s%s: %s", f->job.input,
-               view ? " (" : "", view ? view : "", view ? ")" : "", line);
+        gp_say(log, GP_LEVEL_INFO, "%s%s%s%s: %s", job->input, view ? " (" : "",
+               view ? view : "", view ? ")" : "", line);
     }
     if (f->lib.verified)
-        gp_say(log, GP_LEVEL_INFO, "%s: measured rel_l2 %.3g, max_rel %.3g, "
-               "max_abs %.3g, flux_error %.3g", f->job.input, e->rel_l2,
-               e->max_rel, e->max_abs, e->flux_error);
+        gp_say(log, GP_LEVEL_INFO,
+               "%s: measured rel_l2 %.3g, max_rel %.3g, max_abs %.3g, "
+               "flux_error %.3g",
+               job->input, e->rel_l2, e->max_rel, e->max_abs, e->flux_error);
 }
 
 // -- the line on a terminal --------------------------------------------------

@@ -73,10 +73,7 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
         .plan = r->plan,
         .facts.job =
             {
-                .numbered = job->numbered,
-                .frame = job->frame,
-                .view = job->view,
-                .input = input,
+                .of = *job,
                 .style = r->s->light.style,
                 .settings = r->s,
                 .views = r->jobs->views_line,

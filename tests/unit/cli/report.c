@@ -9,16 +9,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char depth[] = "Z";
+static char depth[] = "Z", input[] = "in.0007.exr", x[] = "x";
 static struct gp_written two_files[] = {{"a.0007.png", GP_TARGET_PICTURE},
                                         {"b.exr", GP_TARGET_HDR}};
 
 static struct gp_frame_report full_facts(void)
 {
     struct gp_frame_report f = {
-        .job = {.numbered = true,
-                .frame = 7,
-                .input = "in.0007.exr",
+        .job = {.of = {.numbered = true, .frame = 7, .input = input},
                 .said = "\1one\0\2note\0\1two",
                 .said_bytes = 16},
         .read = {.taken = {"2", "diffuse", "left"},
@@ -119,8 +117,8 @@ static void all_fields_in_order(void **state)
 
 static void what_was_not_needed_is_left_out(void **state)
 {
-    struct gp_frame_report facts = {.job.input = "x",
-                             .lib.layer = {.engine = "none", .why = "dark"}};
+    struct gp_frame_report facts = {
+        .job.of.input = x, .lib.layer = {.engine = "none", .why = "dark"}};
     for (int i = 0; i < GP_TIMES; i++)
         facts.cost.ms[i] = i % GP_TIME_TOTAL == GP_TIME_READ ? 1.0 : -1.0;
     static const char *const gone[] = {
@@ -166,7 +164,7 @@ static void hard_values_stay_json(void **state)
     facts.lib.sense.flux[1] = INFINITY;
     facts.bound = -INFINITY;
     for (size_t i = 0; i < COUNT(names); i++) {
-        facts.job.input = names[i];
+        facts.job.of.input = (char *) (uintptr_t) names[i];
         char *text = reported(&facts, 2);
         char *second = strchr(text, '\n') + 1;
         assert_non_null(strchr(second, '\n'));

@@ -9,20 +9,30 @@ static struct gp_written files[] = {
     {NULL, GP_TARGET_LAYER}, {NULL, GP_TARGET_PICTURE},
 };
 
+static char input[] = "in.exr";
+
 /* A frame of 1000 of light, of which 31 are bright, at 30 degrees. */
 static struct gp_frame_report some_facts(const struct gp_settings *s)
 {
     struct gp_frame_report f = {
-        .job = {.input = "in.exr", .settings = s},
-        .read = {.width = 64, .height = 48, .window = {0, 0, 64, 48},
+        .job = {.of.input = input, .settings = s},
+        .read = {.width = 64,
+                 .height = 48,
+                 .window = {0, 0, 64, 48},
                  .file = {0, 0, 64, 48}},
-        .lib = {
-            .sense = {.sources = 1183, .light = 1000.0, .bright = 31.0,
-                      .threshold = 1.0f},
-            .kernel = {.w = 9, .h = 9, .deg_per_pixel = 0.1, .fov = 30.0,
-                       .fov_from = "default"},
-            .layer = {.engine = "fft", .why = "for 2 sources"},
-        },
+        .lib =
+            {
+                .sense = {.sources = 1183,
+                          .light = 1000.0,
+                          .bright = 31.0,
+                          .threshold = 1.0f},
+                .kernel = {.w = 9,
+                           .h = 9,
+                           .deg_per_pixel = 0.1,
+                           .fov = 30.0,
+                           .fov_from = "default"},
+                .layer = {.engine = "fft", .why = "for 2 sources"},
+            },
         .write = {.file = files, .n = 2},
     };
     return f;
@@ -144,7 +154,7 @@ static void notes_say_what_and_why(void **state)
         "(assumed; --fov sets it), engine fft (chosen by auto)\n"
         "in.exr: wrote lit.exr: linear light; out.png: tone-mapped by neutral "
         "(the default)\n");
-    f.job.view = "left";
+    f.job.of.view = "left";
     f.lib.kernel.fov_from = "camera";
     f.write.n = 0;
     f.lib.sense.nonfinite = 1000;
