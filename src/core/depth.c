@@ -10,13 +10,21 @@ struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
 {
     const float least = FLT_TRUE_MIN, half = GP_DEPTH_HALF;
     const float deepest = nextafterf(GP_DEPTH_HUGE, 0.0f);
-    if (type == GP_DEPTH_INVERSE)
-        return (struct gp_depth_range) {nextafterf(1.0f / GP_DEPTH_HUGE, 1.0f),
-                                        INFINITY, NAN};
-    if (type == GP_DEPTH_NORMALIZED && reversed) // near is 1
-        return (struct gp_depth_range) {least, INFINITY, NAN};
-    if (type == GP_DEPTH_NORMALIZED)
-        return (struct gp_depth_range) {-INFINITY, nextafterf(1.0f, 0.0f), NAN};
+    const struct gp_depth_range inverse = {
+        nextafterf(1.0f / GP_DEPTH_HUGE, 1.0f), INFINITY, NAN};
+    // normalized, near is 1, and near is 0
+    const struct gp_depth_range turned = {least, INFINITY, NAN};
+    const struct gp_depth_range share = {-INFINITY, nextafterf(1.0f, 0.0f),
+                                         NAN};
+    switch (type) {
+    case GP_DEPTH_INVERSE:
+        return inverse;
+    case GP_DEPTH_NORMALIZED:
+        return reversed ? turned : share;
+    case GP_DEPTH_Z:
+    case GP_DEPTH_RAY:
+        break;
+    }
     return reversed ? (struct gp_depth_range) {-deepest, -least, -half}
                     : (struct gp_depth_range) {least, deepest, half};
 }
@@ -24,10 +32,15 @@ struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
 double gp_surface_place(enum gp_depth_type type, bool reversed, float v)
 {
     const double d = (double) v;
-    if (type == GP_DEPTH_NORMALIZED)
-        return fmax(reversed ? 1.0 - d : d, 0.0);
-    if (type == GP_DEPTH_INVERSE)
+    switch (type) {
+    case GP_DEPTH_INVERSE:
         return 1.0 / d;
+    case GP_DEPTH_NORMALIZED:
+        return fmax(reversed ? 1.0 - d : d, 0.0);
+    case GP_DEPTH_Z:
+    case GP_DEPTH_RAY:
+        break;
+    }
     return reversed ? -d : d;
 }
 

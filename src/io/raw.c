@@ -145,7 +145,7 @@ static gp_status write_samples(struct gp_picture_job j, enum gp_raw_format raw,
     struct gp_write_params p = *j.p;
     struct gp_picture pic;
     char *bytes = NULL;
-    char head[64] = "";
+    char head[64];
     const size_t sample = raw == GP_RAW_RGB24      ? 1
                           : raw == GP_RAW_RGBF32LE ? 4
                                                    : 2;
@@ -162,9 +162,10 @@ static gp_status write_samples(struct gp_picture_job j, enum gp_raw_format raw,
                        frames->w, frames->h));
     if (frames)
         *frames = (struct gp_raw_size) {pic.width, pic.height};
-    else
-        snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n", pic.width, pic.height);
-    const size_t lead = strlen(head);
+    const size_t lead =
+        frames ? 0
+               : (size_t) snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n",
+                                   pic.width, pic.height);
     const size_t size = (size_t) pic.width * (size_t) pic.height * 3 * sample;
     GP_TRY(gp_alloc(j.log, "picture", lead + size, 1, &bytes));
     memcpy(bytes, head, lead);

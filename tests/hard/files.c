@@ -379,16 +379,12 @@ static void name_of(const char *stem, const struct format *t, char path[64])
 static gp_status write_as(const struct format *t, const char *path,
                           const struct gp_frame *f)
 {
-    const struct gp_picture_job j = {&kept_log,
-                                     &t->p,
-                                     path,
-                                     f,
-                                     &f->rgb,
-                                     GP_PICTURE_SHOWN,
-                                     &(struct gp_write_stats) {0}};
-    return !t->ending[0] ? gp_raw_write(&j)
-                         : gp_write_picture(j.log, j.p, path, f, j.planes,
-                                            j.kind, j.stats);
+    struct gp_write_stats stats = {0};
+    return t->ending[0] ? gp_write_picture(&kept_log, &t->p, path, f, &f->rgb,
+                                           GP_PICTURE_SHOWN, &stats)
+                        : gp_raw_write(&(struct gp_picture_job) {
+                              &kept_log, &t->p, path, f, &f->rgb,
+                              GP_PICTURE_SHOWN, &stats});
 }
 
 /* The light of a row with its layer, as a file's frame; the caller frees it. */
@@ -459,10 +455,8 @@ static double code_error(double got, float from, int bits)
 static float lit_at(const struct gp_frame *f, int c, int x, int y)
 {
     const struct gp_rect d = f->data;
-    if (x < d.x0 || x >= d.x1 || y < d.y0 || y >= d.y1)
-        return 0.0f;
-    return f->rgb.c[c][(size_t) (y - d.y0) * (size_t) gp_rect_w(d) +
-                       (size_t) (x - d.x0)];
+    return gp_planes_at(&f->rgb, c, gp_rect_w(d), gp_rect_h(d), x - d.x0,
+                        y - d.y0);
 }
 
 static double sample_error(const struct format *t, float got, float from)
