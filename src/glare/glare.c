@@ -260,8 +260,8 @@ static gp_status draw_sky(const struct gp_log *log,
     const struct gp_sky_error *const error = gp_sky_error_of(d->kernel->sky);
     req->stats->bound_angle =
         error->cosines > 0.0 ? req->floor : error->relative;
-    if (alone)
-        req->stats->engine = gp_sky_way(k->sky);
+    if (alone || gp_sky_cosines(d->kernel->sky))
+        req->stats->engine = gp_sky_way(d->kernel->sky);
     rest->added = rest->add != NULL;
     return gp_sky_add(log, k->sky,
                       &(struct gp_sky_drawing) {

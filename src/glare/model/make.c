@@ -20,12 +20,20 @@ struct tint {
                      // less of than of the luminance
 };
 
+/* Light of openings that is finer than a pixel, at offsets up to NEAR. */
+enum { NEAR = 2, NEARS = 2 * NEAR + 1, OWN = NEARS * NEARS / 2 };
+struct near {
+    bool any;
+    double light[3][NEARS * NEARS];
+};
+
 /* The recipes and the field of a kernel, for gp_kernel_whole(). */
 struct gp_kernel_origin {
     struct gp_recipe recipe[GP_RECIPES]; // files and images are the caller's
     int n;
     struct gp_field field;
-    struct tint tint;    // as struct mixture's
+    struct tint tint; // as struct mixture's ...
+    struct near near;
 };
 
 // -- the sum of shapes --------------------------------------------------------
@@ -34,7 +42,7 @@ struct mixture {
     struct gp_shape shape[GP_RECIPES];
     double share[GP_RECIPES];
     double stays;        // light that stays in its pixel: delta's
-    double own[3]; // and openings', by channel, whose rest goes by cosines
+    struct near near;    // of openings whose rest goes by cosines
     struct tint tint;
     bool image;          // a shape is of an image, whose tint is its own
     int n;
@@ -324,14 +332,28 @@ static struct gp_far_split choose_split(const struct mixture *m, int w, int h)
     return s;
 }
 
+static void add_near(const struct near *near, int rx, int ry,
+                     struct gp_planes *k)
+{
+    const size_t w = 2 * (size_t) rx + 1;
+    for (int i = 0; i < NEARS * NEARS; i++) {
+        const int x = i % NEARS - NEAR, y = i / NEARS - NEAR;
+        const size_t at = (size_t) (y + ry) * w + (size_t) (x + rx);
+        for (int c = 0; c < 3 && abs(x) <= rx && abs(y) <= ry; c++)
+            k->c[c][at] += (float) near->light[c][i];
+    }
+}
+
 /* Makes the core of a mixture for frames of w x h pixels, less what `split`
  * gives to the far field, if its step is not 0; `weight` is of luminance. */
 static gp_status make_core(const struct gp_log *log, struct mixture *m,
     const struct gp_far_split *split, const struct gp_far_field *far,
     const float *weight, int w, int h, struct gp_kernel *out)
 {
-    const int last =
-        split->step ? gp_max((int) ceil(split->to) - 1, m->sharp) : m->reach;
+    const int least = m->near.any ? NEAR : 0;
+    const int last = gp_max(
+        split->step ? gp_max((int) ceil(split->to) - 1, m->sharp) : m->reach,
+        least);
     struct filling f = {.m = m, .split = split, .rx = gp_min(w - 1, last),
                         .ry = gp_min(h - 1, last)};
     const int columns = 2 * f.rx + 1, rows = 2 * f.ry + 1;
@@ -341,16 +363,15 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
         return st;
     gp_parallel_do(m->even ? f.ry + 1 : rows, make_row, &f);
     const size_t centre = n / 2;
-    if (!m->tint.known) {
+    if (!m->tint.known)
         st = find_tint(log, m, &f.k, n, centre, far, weight);
-        for (int c = 0; c < 3; c++)
-            m->tint.stays[c] += m->own[c];
-    }
     if (st) {
         gp_planes_free(&f.k);
         return st;
     }
     use_tint(&m->tint, weight, n, centre, &f.k);
+    if (m->near.any)
+        add_near(&m->near, f.rx, f.ry, &f.k);
     if (m->nodes > 0.0)
         st = gp_nodes_divide(log, columns, rows, m->nodes, &f.k, &m->wrong);
     if (st) {
@@ -420,77 +441,119 @@ out:
     return st;
 }
 
-/* Makes the cosines of openings, and finds what of their light stays in its pixel. */
-static gp_status make_cosines(const struct gp_log *log,
-                              const struct gp_recipe *r, int n,
-                              const struct gp_field *field,
-                              const struct gp_cosine_grid *grid, double own[3],
-                              struct gp_cosines **out)
+/* Opens openings with their shares among all of a kernel, which have that sum. */
+static gp_status open_openings(const struct gp_log *log,
+                               const struct gp_recipe *r, int n, double sum,
+                               const struct gp_field *field, struct mixture *m)
 {
-    struct gp_recipe opening[GP_RECIPES];
-    struct gp_kernel k = {0};
-    struct gp_field f = *field;
-    struct mixture m;
-    double sum = 0.0, light[3] = {0}, all = 0.0;
-    int openings = 0;
-    for (int i = 0; i < n; i++) {
-        sum += gp_recipe_value(&r[i], "share");
-        if (is_opening(&r[i]))
-            opening[openings++] = r[i];
+    const gp_status st = open_mixture(log, r, n, field, NULL, m);
+    for (int i = 0; i < n && !st; i++)
+        m->share[i] = gp_recipe_value(&r[i], "share") / fmax(sum, 1.0);
+    m->stays = 0.0;
+    m->tint.known = true;
+    return st;
+}
+
+/* Finds `near`: of means over both pixels, as a plane in the middle has them, what k's
+ * nodes lack. The rest of `own`, of all that is left, stays in its pixel. */
+static void find_near(const struct mixture *pixels, const struct gp_kernel *k,
+                      double nodes, const double own[3], struct near *near)
+{
+    *near = (struct near) {.any = true};
+    for (int y = -NEAR; y <= NEAR; y++) {
+        double sum[3][GP_SHAPE_STRIP];
+        mix_row(pixels, false, -NEAR, y, NEARS, sum);
+        for (int i = 0; i < NEARS; i++) {
+            double of_nodes[3];
+            gp_cosines_at(k, (i - NEAR) * nodes, y * nodes, of_nodes);
+            for (int c = 0; c < 3; c++)
+                near->light[c][(y + NEAR) * NEARS + i] = fmax(
+                    sum[pixels->grey ? 0 : c][i] - nodes * nodes * of_nodes[c],
+                    0.0);
+        }
     }
+    for (int c = 0; c < 3; c++) {
+        double *const light = near->light[c], all = -light[OWN];
+        for (int i = 0; i < NEARS * NEARS; i++)
+            all += light[i];
+        for (int i = 0; i < NEARS * NEARS; i++)
+            light[i] *= all > own[c] ? own[c] / all : 1.0;
+        light[OWN] = fmax(own[c] - all, 0.0);
+    }
+}
+
+/* Makes the cosines of openings, r, whose kernel's shares have that sum, and finds what of
+ * their light does not go by them. */
+static gp_status make_cosines(const struct gp_log *log,
+                              const struct gp_recipe *r, int n, double sum,
+                              const struct gp_field *field,
+                              const struct gp_cosine_grid *grid,
+                              struct near *near, struct gp_cosines **out)
+{
+    struct gp_kernel k = {0};
+    struct gp_field f = *field, middle = *field;
+    struct mixture m, pixels;
+    double own[3] = {0}, all = 0.0;
     // as much more as the frame's, for lights beside it
     f.w = gp_max(grid->size[0] * field->w / field->seen_w, 1);
     f.h = gp_max(grid->size[1] * field->h / field->seen_h, 1);
     f.degrees = grid->step[1] * (180.0 / M_PI);
     f.aspect = grid->step[0] / grid->step[1];
     f.nodes = grid->nodes;
-    gp_status st = open_mixture(log, opening, openings, &f, NULL, &m);
+    middle.w = middle.h = NEAR + 1;
+    gp_status st = open_openings(log, r, n, sum, &middle, &pixels);
     if (st)
         return st;
+    st = open_openings(log, r, n, sum, &f, &m);
+    if (st) {
+        close_mixture(&pixels);
+        return st;
+    }
     for (int i = 0; i < m.n; i++) {
-        m.share[i] = gp_recipe_value(&opening[i], "share") / fmax(sum, 1.0);
-        for (int c = 0; c < 3; c++) {
-            double *const one = &m.shape[i].own[m.shape[i].grey ? 0 : c];
-            own[c] += m.share[i] * *one;
-        }
+        for (int c = 0; c < 3; c++)
+            own[c] += m.share[i] * m.shape[i].own[m.shape[i].grey ? 0 : c];
         memset(m.shape[i].own, 0, sizeof m.shape[i].own);
     }
-    m.stays = 0.0;
-    m.tint.known = true;
     m.nodes = grid->nodes;
     GP_TRY(make_split(log, &f, &m, &k));
     // each channel keeps its light
-    for (int c = 0; c < 3; c++) {
-        light[c] = own[c] + k.sum[c];
-        all += (double) field->luminance[c] * light[c];
-    }
     for (int c = 0; c < 3; c++)
-        own[c] = fmax(own[c] + all - light[c], 0.0);
+        all += (double) field->luminance[c] * (own[c] + k.sum[c]);
+    for (int c = 0; c < 3; c++)
+        own[c] = fmax(all - k.sum[c], 0.0);
+    find_near(&pixels, &k, grid->nodes, own, near);
     st = gp_cosines_make(log, grid, field->luminance, m.wrong, &k, out);
 out:
     gp_kernel_free(&k);
     close_mixture(&m);
+    close_mixture(&pixels);
     return st;
 }
 
 /* Makes what of recipes goes by cosines, where a camera shows the frame. */
 static gp_status make_openings(const struct gp_log *log,
                                const struct gp_recipe *r, int n,
-                               const struct gp_field *field, double own[3],
+                               const struct gp_field *field, struct near *near,
                                struct gp_cosines **out)
 {
     static const double LEAST_NM = 450.0; // shorter waves are dim
+    struct gp_recipe opening[GP_RECIPES];
     struct gp_cosine_grid grid;
-    double finest = 0.0; // of cycles a radian
+    double finest = 0.0, sum = 0.0; // of cycles a radian; of shares
+    int openings = 0;
     for (int i = 0; i < n; i++) {
         const double nm = gp_recipe_key(&r[i], "wavelength", 0.0);
-        if (is_opening(&r[i]))
-            finest = fmax(finest, gp_recipe_pupil(&r[i], field) * 1e6 /
-                                      (nm > 0.0 ? nm : LEAST_NM));
+        sum += gp_recipe_value(&r[i], "share");
+        if (!is_opening(&r[i]))
+            continue;
+        opening[openings++] = r[i];
+        finest = fmax(finest, gp_recipe_pupil(&r[i], field) * 1e6 /
+                                  (nm > 0.0 ? nm : LEAST_NM));
     }
-    return finest > 0.0 && gp_cosine_grid_lay(&field->projection, field->seen_w,
-                                              field->seen_h, finest, &grid)
-               ? make_cosines(log, r, n, field, &grid, own, out)
+    return openings && gp_cosine_grid_lay(&field->projection, field->seen_w,
+                                          field->seen_h, finest, &grid)
+               ? make_cosines(log, opening, openings, sum, field, &grid, near,
+                              out)
                : GP_OK;
 }
 
@@ -507,8 +570,8 @@ static gp_status open_parts(const struct gp_log *log, const struct gp_recipe *r,
         .tolerance = field->tolerance,
     };
     const bool any = p.projection.kind != GP_PLANE;
-    double own[3] = {0};
-    gp_status st = make_openings(log, r, n, field, own, &p.cosines);
+    struct near near = {0};
+    gp_status st = make_openings(log, r, n, field, &near, &p.cosines);
     if (!st)
         st = open_mixture(log, r, n, field, any ? &p : NULL, m);
     if (st || (!p.n && !p.cosines)) {
@@ -519,7 +582,7 @@ static gp_status open_parts(const struct gp_log *log, const struct gp_recipe *r,
     st = gp_sky_make(log, &p, sky);
     if (!st && *sky) {
         m->stays += gp_sky_give(*sky);
-        memcpy(m->own, own, sizeof own);
+        m->near = near;
         return GP_OK;
     }
     close_mixture(m);
@@ -552,6 +615,7 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
     k.origin->n = n;
     k.origin->field = *field;
     k.origin->tint = m.tint;
+    k.origin->near = m.near;
     memcpy(k.origin->recipe, r, (size_t) n * sizeof *r);
     *out = k;
     k = (struct gp_kernel) {0};
@@ -576,6 +640,7 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
         return st;
     m.stays += k->sky ? gp_sky_given(k->sky) : 0.0;
     m.tint = o->tint;
+    m.near = o->near;
     st = make_core(log, &m, &whole, NULL, o->field.luminance, w, h, out);
     if (!st)
         join_far(NULL, &o->field, out);

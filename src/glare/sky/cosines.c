@@ -103,6 +103,28 @@ gp_status gp_cosines_make(const struct gp_log *log,
     return st;
 }
 
+void gp_cosines_at(const struct gp_kernel *k, double u, double v, double d[3])
+{
+    enum { MID = GP_COSINE_TAPS / 2 - 1, WIDE = 4 * MID + 2 };
+    const int x = (int) floor(u) + k->cx, y = (int) floor(v) + k->cy;
+    double own[GP_COSINE_TAPS], at[2][GP_COSINE_TAPS], both[2][WIDE] = {{0}};
+    gp_cosine_spline(0.0, own);
+    gp_cosine_spline(u - floor(u), at[0]);
+    gp_cosine_spline(v - floor(v), at[1]);
+    for (int i = 0; i < 2 * GP_COSINE_TAPS * (2 * MID + 1); i++) {
+        const int a = i / 2 % GP_COSINE_TAPS, b = i / 2 / GP_COSINE_TAPS;
+        both[i % 2][a + b] += at[i % 2][a] * own[b];
+    }
+    for (int c = 0; c < 3; c++) {
+        d[c] = 0.0;
+        for (int i = 0; i < WIDE * WIDE; i++)
+            d[c] += both[0][i % WIDE] * both[1][i / WIDE] *
+                    (double) gp_planes_at(&k->k, c, k->w, k->h,
+                                          x - 2 * MID + i % WIDE,
+                                          y - 2 * MID + i / WIDE);
+    }
+}
+
 void gp_cosines_free(struct gp_cosines **c)
 {
     if (*c) {

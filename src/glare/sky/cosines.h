@@ -11,7 +11,7 @@
  * a_s being the area of a pixel in the cosines, its solid angle times z. D is as a pixel
  * in the middle of the field sees it, which shines and is lit evenly: its transform has
  * sinc^2 of each axis up to the first zeros, and nothing beyond. Light that is finer than
- * that stays in its pixel. So D rings a little; the layer of all sources is at least 0.
+ * that stays in its pixel and those around it, the same everywhere. So D rings a little; the layer of all sources is at least 0.
  *
  * It is summed on nodes, a step apart. With B the spline of degree 7,
  *
@@ -59,6 +59,9 @@ GP_MUST_CHECK gp_status gp_cosines_make(const struct gp_log *log,
                                         struct gp_kernel *nodes,
                                         struct gp_cosines **out);
 void gp_cosines_free(struct gp_cosines **c);
+
+/* D at (u, v) steps of a kernel's nodes, without its far field. */
+void gp_cosines_at(const struct gp_kernel *k, double u, double v, double d[3]);
 
 /* The share of light that is spread; that of a source at (x, y) that falls outside of
  * the frame, within 1e-3 of the light; and `wrong`. */

@@ -176,7 +176,7 @@ static void light_is_kept(void **state)
         sum /= (double) src.rgb[0][0] * d.z *
                gp_projection_solid(&p, at[0], at[1]);
         const double beyond = gp_sky_outside(k.sky, at[0], at[1]);
-        const double all = (double) gp_kernel_centre(&k, 0) + sum + beyond;
+        const double all = k.sum[0] + sum + beyond;
         if (fabs(all - 1.0) > 2e-3)
             print_message("# at %d, %d: %g kept, %g beyond, all %g\n", at[0],
                           at[1], sum, beyond, all);
