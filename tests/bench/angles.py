@@ -63,8 +63,22 @@ def cie(t, left=1.0):
 
 
 OVER = (sphere(cie) - 1) / (0.92 * 9.2e6 * 2 * math.pi * math.radians(0.0046) ** 2)
-# (`aperture`, which goes by direction cosines: p[0] - q[0] and p[1] - q[1])
 MODELS = {"eye": by_angle(eye, sphere(eye)), "cie:age=70": by_angle(lambda t: cie(t, 1 - OVER))}
+
+
+
+def hexagon(p, q, mm=1.0, nm=550.0):
+    """Fraunhofer's of a hexagon, a corner to the right, by direction cosines; of radiance, so
+    that a source counts by its solid angle times cosine."""
+    u, v = ((a - b) * 1e6 / nm for a, b in zip(p[:2], q[:2]))
+    turn = np.arange(7) * math.pi / 3
+    x, y = mm / 2 * np.cos(turn), mm / 2 * np.sin(turn)
+    field = sum((u * (y[i + 1] - y[i]) - v * (x[i + 1] - x[i])) *
+                np.sinc(u * (x[i + 1] - x[i]) + v * (y[i + 1] - y[i])) *
+                np.exp(-1j * math.pi * (u * (x[i] + x[i + 1]) + v * (y[i] + y[i + 1])))
+                for i in range(6)) / (2 * math.pi * (u * u + v * v))
+    return abs(field) ** 2 / (3 * math.sqrt(3) / 8 * mm * mm) * (1e6 / nm) ** 2 * q[2]
+
 
 # -- places: their direction of view, and steradians a square pixel there -----------------
 
@@ -206,6 +220,37 @@ def lamps(glarepp, folder):
             for name, _, bar in ways:
                 yield "lamp, %d degrees, %s, %s: rel_l2" % (fov, model, name), worst[name], bar
             yield "  over its bound, all pixels", of_bound, 1
+
+
+def apertures(glarepp, folder):
+    """Against means by as many pairs of points, and its transform against its sum."""
+    n, rng = 1500, np.random.default_rng(11)
+    root = 1.1673039782614187  # of x^5 = x + 1: Kronecker's points of four dimensions
+    pair = np.mod(0.5 + np.outer(np.arange(1, n + 1), root ** -np.arange(1.0, 5)), 1) - 0.5
+    points = (*pair.T[:, :, None], np.full(n, 1 / n))
+    y, x = (g.ravel() for g in np.mgrid[0:H, 0:W])
+    words = (*LONE, "-k", "aperture:share=1,dust=0,scratches=0,wavelength=550,pupil=1,reach=90")
+    for fov in 30, 60, 90:
+        view, off = perspective(pixel_width(fov, H), W, H), {}
+        for place in 0.5, 0.75, 0.98:
+            px, py = int(W * place), int(H * place)
+            away = np.hypot(x - px, y - py)
+            pick = np.flatnonzero((away >= 4) & ((away < 12) | (rng.random(away.size) < 0.02)))
+            weight = np.where(away[pick] < 12, 1, 50)
+            want = definition(hexagon, view, (x[pick], y[pick]), (px, py), away[pick],
+                              ((0, points),))
+            layer = {}
+            for name, way in (("sum", ()), ("transform", ("-e", "fft")),
+                              ("plane", ("--projection", "plane"))):
+                got, _ = glare(glarepp, folder, lamp(W, H, px, py), *words, "--fov", str(fov), *way)
+                layer[name] = got[:, :, 1].ravel()[pick] / 1e6
+                off.setdefault(name, []).append(rel_l2(layer[name], want, weight))
+            off.setdefault("both", []).append(rel_l2(layer["transform"], layer["sum"], weight))
+        yield "lamp, %d degrees, a hexagon by transform: rel_l2 over its sum" % fov, \
+            max(off["both"]), 1e-3
+        for k, place in enumerate(("in the middle", "at 3/4", "in the corner")):
+            yield "  over means of both pixels, " + place, off["sum"][k], 1e-3
+            yield "    a plane's", off["plane"][k], None
 
 
 def camera(stem):
@@ -388,7 +433,7 @@ def bars(glarepp):
         if not os.path.exists(frames + "/w3_3840.exr"):
             os.makedirs(frames, exist_ok=True)
             subprocess.run([sys.executable, ROOT + "/tests/bench/frames.py", frames], check=True)
-        for part in lamps, of_data, spheres, views:
+        for part in lamps, apertures, of_data, spheres, views:
             yield from part(glarepp, folder)
         yield from speeds(glarepp, folder, frames)
         yield from sphere_speeds(glarepp, folder)

@@ -289,8 +289,9 @@ run kernel -k aperture:share=1,wavelengths=8 --size 64x48 -o a.exr
 is "$("$python" "$cli/tags.py" a.exr | grep '^chromaticities')" \
     chromaticities=0.6400,0.3300,0.3000,0.6000,0.1500,0.0600,0.3127,0.3290 \
     'a kernel file names its primaries'
-run --projection plane -k aperture:share=1,wavelengths=8 -e direct --type float \
-    --layer 'm.#.exr' 'wide.#.exr'
+# of a plane, whose pixels are those in the middle of 30 degrees
+run --projection plane --fov 30.7047157 -k aperture:share=1,wavelengths=8 -e direct \
+    --type float --layer 'm.#.exr' 'wide.#.exr'
 run -k a.exr -e direct --type float --layer 'l.#.exr' --report r.json 'wide.#.exr'
 quiet_success 'a kernel file in frames of other primaries'
 for i in 1 2 3; do
