@@ -28,7 +28,8 @@ static bool is_handful(const struct gp_sources *s, const struct gp_kernel *k)
     const double most = 60.0 * points(gp_rect_w(s->box), k->w, s->w) *
                             points(gp_rect_h(s->box), k->h, s->h) +
                         1e7;
-    return gp_direct_work(s, k->w, k->h, k->cx, k->cy, most) <= most;
+    return (double) s->n * k->w * k->h <= most ||
+           gp_direct_work(s, k->w, k->h, k->cx, k->cy, most) <= most;
 }
 
 double gp_sum_seconds(const struct gp_glare_request *req)

@@ -411,16 +411,28 @@ GP_CLONES static void write_row(const float *restrict from, int n, bool add,
 }
 
 /* Adds what stays in the pixels of row y. */
-static void stay_row(const struct adding *a, int y, float *own, float *rows,
-                     size_t apart)
+GP_CLONES static void stay_row(const struct adding *a, int y, float *own,
+                               float *restrict rows, size_t apart)
 {
     const struct gp_sources *const src = a->d->src;
     const uint32_t first = src->row[y], end = src->row[y + 1];
     gp_sky_own(a->sky, src->w, src->h, y, src->x + first, end - first, own);
-    for (uint32_t i = first; i < end; i++) {
-        for (size_t c = 0; c < 3; c++)
-            rows[c * apart + (size_t) src->x[i]] +=
-                (own[i - first] + a->d->more[c]) * src->rgb[c][i];
+    for (uint32_t i = first, n; i < end; i += n) {
+        const bool all =
+            end - i >= GP_SKY_BLOCK && // pixels side by side
+            src->x[i + GP_SKY_BLOCK - 1] == src->x[i] + GP_SKY_BLOCK - 1;
+        n = all ? GP_SKY_BLOCK : 1;
+        for (size_t c = 0; c < 3; c++) {
+            float *const to = rows + c * apart + (size_t) src->x[i];
+            const float *const v = src->rgb[c] + i, *const by =
+                                                        own + (i - first);
+            const float more = a->d->more[c];
+            if (all)
+                for (int k = 0; k < GP_SKY_BLOCK; k++)
+                    to[k] += (by[k] + more) * v[k];
+            else
+                to[0] += (by[0] + more) * v[0];
+        }
     }
 }
 
