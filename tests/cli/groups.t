@@ -73,6 +73,9 @@ def make(path, how):
         else:
             rgb.update(planes)
     parts = [part(rgb, "beauty")] + aside
+    if how == "named":  # primaries, of ACES
+        parts[0][0].attribute("chromaticities", "float[8]",
+                              (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767))
     o = oiio.ImageOutput.create(path)
     assert o.open(path, [s for s, _ in parts]), o.geterror()
     for i, (s, v) in enumerate(parts):
@@ -103,6 +106,11 @@ def sums(whole, *parts):
     assert numpy.linalg.norm(b) > 1
     error = numpy.linalg.norm(a - b) / numpy.linalg.norm(b)
     assert error < 1e-6, error
+
+def whole(path):
+    p = load(path)
+    a, b = colour(p, ""), sum(colour(p, n) for n in ("key", "rim", "fill"))
+    assert numpy.abs(a - b).max() <= 2e-3 * numpy.abs(a).max()
 
 def grown(before, after, *dark):
     p, q = load(before), load(after)
@@ -429,6 +437,10 @@ done
 wrong 2 cross 'a wrong key of a kernel' --light-group key:kernel=cross:no=1 plain.exr
 wrong 3 sttar 'no such kernel' --light-group key:kernel=sttar plain.exr
 wrong 4 window.exr 'a group of another window' $both window.exr
+ask make named.exr named
+run $both --light-group fill --ocio "$cli/aces.ocio" --output-space lin709 --gain 0 \
+    --hdr whole.exr named.exr
+ok 'groups have the primaries of their frame' ask whole whole.exr
 frame ids.exr 'channels=R,G,B,CryptoObject00.R:float,CryptoObject00.G:float,CryptoObject00.B:float,CryptoObject00.A:float'
 wrong 2 ids.exr 'ids as a group' --light-group CryptoObject00 ids.exr
 "$glarepp" -q -o in.png plain.exr

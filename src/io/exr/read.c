@@ -311,6 +311,7 @@ static gp_status copy_layer(const struct gp_log *log, const struct gp_frame *f,
         .parts = f->parts,
         .model = colour->model,
         .colour_type = GP_HALF,
+        .names_chromaticities = f->names_chromaticities,
     };
     memcpy(out->chromaticities, f->chromaticities, sizeof f->chromaticities);
     memcpy(out->luminance, f->luminance, sizeof f->luminance);
