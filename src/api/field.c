@@ -147,8 +147,10 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
     struct gp_angular as;
     bool angular = false;
     for (int i = 0; i < r->recipes; i++)
-        angular |= recipe[i].model->angular &&
-                   recipe[i].model->angular(&recipe[i], field, &as);
+        angular |= recipe[i].model->angular
+                       ? recipe[i].model->angular(&recipe[i], field, &as)
+                       : field->projection.kind == GP_PERSPECTIVE &&
+                             strcmp(recipe[i].model->name, "aperture") == 0;
     f->facts.kernel.projection = "plane";
     f->flat = angular && !splat;
     if ((angular || wide) && gp_api_says(&f->plan->names->said, GP_SAID_PLANE))
@@ -241,7 +243,7 @@ static double left_out_of(const struct glarepp_frame *f,
             group += light;
             if (group < part && i + 1 < src->n)
                 continue;
-            sum += group * gp_sky_outside(k->sky, x, y);
+            sum += group * gp_sky_left_out(k->sky, x, y);
             group = 0.0;
             pick = fmod(pick + 0.618034, 1.0); // the golden ratio
         }

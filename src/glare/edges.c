@@ -338,6 +338,7 @@ struct gp_outside {
     struct gp_planes *layer;
     struct box_sums sums;
     struct gp_far_rows *far; // of light 1 everywhere; NULL: no far field
+    struct gp_planes cosines; // w of direction cosines, w * h; or empty
     int w, h, threads;
     unsigned long serial;              // of the kernel
     const struct gp_far_state *state;  // what `far` is of
@@ -411,6 +412,8 @@ GP_CLONES void gp_beyond_add_row(void *ctx, int i, int thread)
         for (size_t x = 0; x < w; x++)
             weight[x] += outside[x];
     }
+    for (size_t x = 0; x < w && o->cosines.c[0]; x++)
+        weight[x] += o->cosines.c[c][(size_t) y * w + x];
     if (o->far) {
         const float far = (float) k->far->sum[from];
         gp_far_row(o->far, from, y, thread, inside);
@@ -427,12 +430,27 @@ void gp_outside_free(struct gp_outside **outside)
     struct gp_outside *const o = *outside;
     if (o) {
         gp_far_rows_free(&o->far);
+        gp_planes_free(&o->cosines);
         gp_free(o->sums.at);
         gp_free(o->box);
         gp_free(o->weight);
         gp_free(o->row);
     }
     GP_FREE(*outside);
+}
+
+/* Makes w of a kernel's direction cosines; stays empty where it has none. */
+static gp_status find_cosines(const struct gp_log *log,
+                              const struct gp_kernel *k, int w, int h,
+                              struct gp_planes *out)
+{
+    gp_status st;
+    if (!k->sky || !gp_sky_cosines(k->sky))
+        return GP_OK;
+    st = gp_planes_make(log, "edges", (size_t) w * (size_t) h, out);
+    return st ? st
+              : gp_cosines_beyond(log, gp_sky_cosines(k->sky),
+                                  (struct gp_rect) {0, 0, w, h}, out);
 }
 
 gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
@@ -463,6 +481,7 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
     memset(o->row, -1, threads * sizeof *o->row);
     if (k->far)
         GP_TRY(gp_far_flat(log, k->far, far, w, h, &o->far));
+    GP_TRY(find_cosines(log, k, w, h, &o->cosines));
     *outside = o;
     o = NULL;
 out:
@@ -496,16 +515,14 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
     struct box_sums sums;
     const double rest = rest_of(k);
     struct outer outer = {.sky = k->sky, .layer = layer};
+    struct gp_planes cosines = {0};
     gp_status st = b ? sum_boxes(log, k, &sums) : GP_OK;
-    if (b && !st) {
-        outer.w = b->w;
-        st = gp_alloc_zero(log, "edges", (size_t) b->w * (size_t) b->h,
-                           sizeof *outer.share, &outer.share);
-        if (st)
-            gp_free(sums.at);
-    }
     if (!b || st)
         return st;
+    outer.w = b->w;
+    GP_TRY(gp_alloc_zero(log, "edges", (size_t) b->w * (size_t) b->h,
+                         sizeof *outer.share, &outer.share));
+    GP_TRY(find_cosines(log, k, b->w, b->h, &cosines));
     if (k->sky)
         gp_parallel_do(b->h, find_outer, &outer);
     for (int i = 0; i < 3 * b->h; i++) {
@@ -524,12 +541,15 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
             const int x1 = kernel_from((long long) x + 1, k->cx, k->w);
             const double inside = high[x1] - high[x0] - low[x1] + low[x0];
             const float light = above[x] + down * (above[x + b->w] - above[x]);
-            const double sky =
-                outer.share[(size_t) y * (size_t) b->w + (size_t) x];
+            const size_t at = (size_t) y * (size_t) b->w + (size_t) x;
+            const double sky = outer.share[at] +
+                               (cosines.c[0] ? (double) cosines.c[c][at] : 0.0);
             out[x] += (rest + all - inside + sky) * (double) light;
         }
     }
+out:
+    gp_planes_free(&cosines);
     gp_free(outer.share);
     gp_free(sums.at);
-    return GP_OK;
+    return st;
 }

@@ -82,8 +82,9 @@ struct gp_glare_request {
     struct gp_layer_rest *rest;     // or NULL
     const struct gp_far_state *far; // of the kernel's far field, which `rest`
                                     // adds; NULL: it has none
-    const struct gp_beyond *beyond; // light from beyond the border, on which
-                                    // the far field errs too; NULL: none
+    double
+        beyond; // most light from beyond the border, on which the far field errs too;
+                // 0: none
     bool exact;   // true angles are summed as they are defined, not by levels
     double floor; // added to a bound of rel_l2: gp_error_floor_find()
 };

@@ -190,7 +190,7 @@ static void warn(const struct gp_glare_request *req, const char *path,
                   "%s: no engine guarantees a tolerance of %.3g in a pixel (the "
                   "lowest bound is %.2g, of %s, which runs)", path,
                   (double) p->tolerance_pixel, c->pixel, name);
-    else if (req->kernel->sky && !c->whole)
+    else if (strcmp(name, "levels") == 0)
         gp_say_at(req->log, GP_LEVEL_WARN, "layer.levels",
                   "%s: levels guarantee no tolerance of %.3g (their bound is "
                   "%.2g), and direct sums take some %.2g s",

@@ -245,7 +245,17 @@ like "$status $(cat err)" '0 *warning: in.exr: its glare is that of a plane*8 de
     'an angle that no level serves'
 is "$(field r.json 'o["projection"], o["bound"]')" "('plane', None)" \
     'is of a plane, of which the report says that it has no bound'
+run -k aperture --fov 175 --layer l.exr --report r.json in.exr
+like "$status $(cat err) $(field r.json 'o["bound"]')" '0 *a plane of 175*8 degrees* None' \
+    'nor direction cosines'
+run -k aperture:share=0 -k eye --layer l.exr in.exr
+quiet_success 'an opening without a share'
+run -k aperture:pupil=500 --fov 100 --layer l.exr in.exr
+quiet_success 'a wide pupil, whose light is far finer than a pixel'
 frame lamps.exr kind=lights lights=50 seed=4 size=192x108
+run -k aperture --fov 60 -e fft --verify --layer l.exr --report r.json lamps.exr
+is "$status $(field r.json 'o["measured"]["rel_l2"] <= o["bound"] < 1e-3')" '0 True' \
+    'direction cosines keep their bound'
 for fov in 0.02 0.1 0.5 2; do
     run -k eye --fov $fov --verify --layer l.exr --report r.json lamps.exr
     is "$status $(field r.json 'o["measured"]["rel_l2"] <= o["bound"]')" '0 True' \

@@ -284,8 +284,7 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
         sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
     const double outer = k->sky ? gp_sky_error_of(k->sky)->outside : 0.0;
     const double beyond = // and of light from beyond the border
-        (far + outer) * gp_beyond_most(req->beyond) *
-        sqrt(3.0 * src->w * src->h);
+        (far + outer) * req->beyond * sqrt(3.0 * src->w * src->h);
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
     double least = 0.0; // lower limit of the layer's norm; cheap ways first
     *floor = 0.0;
@@ -321,7 +320,7 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     *floor += !k->sky      ? 0.0
               : req->exact ? GP_SKY_EXACT
                            : gp_sky_error_of(k->sky)->relative;
-    *floor += req->beyond ? 0x1p-22 : 0.0;
+    *floor += req->beyond > 0.0 ? 0x1p-22 : 0.0;
     return GP_OK;
 }
 
@@ -415,7 +414,7 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
             o.far[c] = gp_far_pixel_error(req->far, k->far, req->src, c) +
                        gp_far_error_of(req->far)->column *
                            sqrt((double) req->src->w * req->src->h) *
-                           gp_beyond_most(req->beyond);
+                           req->beyond;
     }
     gp_parallel_do(m.cells.rows, bound_row, &m);
     for (int c = 0; c < 3 && !k->negative; c++) {
@@ -429,7 +428,7 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
         o.dimmest = fmin(o.dimmest, m.least[i] + more);
         o.brightest = fmax(o.brightest, m.most[i] + more);
     }
-    o.rounded = req->beyond ? 0x1p-22 : 0.0; // light from beyond, 4 times
+    o.rounded = req->beyond > 0.0 ? 0x1p-22 : 0.0; // light from beyond, 4 times
     *out = o;
 out:
     gp_free(m.least);

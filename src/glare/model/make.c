@@ -47,8 +47,9 @@ struct mixture {
     bool image;          // a shape is of an image, whose tint is its own
     int n;
     bool grey, even, negative;
-    double nodes;        // samples are nodes, so many a pixel; else 0
-    double wrong;        // of nodes: gp_nodes_divide()'s
+    double nodes; // samples are nodes, so many a pixel; else 0
+    double wrong; // of nodes: gp_nodes_divide()'s
+    struct gp_cosine_samples samples; // and owned
     int reach;           // of the widest shape
     // shapes that go on smoothly over the whole field: how many; whether their
     // far parts are the whole mixture; both as struct gp_shape's
@@ -106,7 +107,7 @@ static gp_status open_shape(const struct gp_log *log,
 /* An opening that diffracts. */
 static bool is_opening(const struct gp_recipe *r)
 {
-    return r->model == &gp_model_aperture;
+    return r->model == &gp_model_aperture && gp_recipe_value(r, "share") > 0.0;
 }
 
 /* Opens shapes, but of models of the angle where `sky` is to have these, and openings
@@ -344,6 +345,27 @@ static void add_near(const struct near *near, int rx, int ry,
     }
 }
 
+static gp_status sum_samples(const struct gp_log *log,
+                             const struct gp_planes *k, int w, int h,
+                             const float weight[3],
+                             struct gp_cosine_samples *out)
+{
+    const size_t n = (size_t) h * ((size_t) w + 1);
+    gp_status st = gp_alloc(log, "kernel", n, sizeof *out->sums, &out->sums);
+    double *to = out->sums;
+    for (int y = 0; y < h && !st; y++) {
+        double sum = *to++ = 0.0;
+        for (int x = 0; x < w; x++) {
+            for (int c = 0; c < 3; c++)
+                sum += (double) weight[c] * (double) gp_row(k->c[c], w, y)[x];
+            *to++ = sum;
+        }
+    }
+    out->w = w;
+    out->h = h;
+    return st;
+}
+
 /* Makes the core of a mixture for frames of w x h pixels, less what `split`
  * gives to the far field, if its step is not 0; `weight` is of luminance. */
 static gp_status make_core(const struct gp_log *log, struct mixture *m,
@@ -373,6 +395,8 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
     if (m->near.any)
         add_near(&m->near, f.rx, f.ry, &f.k);
     if (m->nodes > 0.0)
+        st = sum_samples(log, &f.k, columns, rows, weight, &m->samples);
+    if (m->nodes > 0.0 && !st)
         st = gp_nodes_divide(log, columns, rows, m->nodes, &f.k, &m->wrong);
     if (st) {
         gp_planes_free(&f.k);
@@ -493,7 +517,7 @@ static gp_status make_cosines(const struct gp_log *log,
     struct gp_kernel k = {0};
     struct gp_field f = *field, middle = *field;
     struct mixture m, pixels;
-    double own[3] = {0}, all = 0.0;
+    double own[3] = {0}, light[3], all = 0.0, share = 0.0;
     // as much more as the frame's, for lights beside it
     f.w = gp_max(grid->size[0] * field->w / field->seen_w, 1);
     f.h = gp_max(grid->size[1] * field->h / field->seen_h, 1);
@@ -510,6 +534,7 @@ static gp_status make_cosines(const struct gp_log *log,
         return st;
     }
     for (int i = 0; i < m.n; i++) {
+        share += m.share[i];
         for (int c = 0; c < 3; c++)
             own[c] += m.share[i] * m.shape[i].own[m.shape[i].grey ? 0 : c];
         memset(m.shape[i].own, 0, sizeof m.shape[i].own);
@@ -522,8 +547,12 @@ static gp_status make_cosines(const struct gp_log *log,
     for (int c = 0; c < 3; c++)
         own[c] = fmax(all - k.sum[c], 0.0);
     find_near(&pixels, &k, grid->nodes, own, near);
-    st = gp_cosines_make(log, grid, field->luminance, m.wrong, &k, out);
+    for (int c = 0; c < 3; c++) // and what no node has is outside
+        light[c] = share - own[c];
+    st = gp_cosines_make(log, grid, field->luminance, light, m.wrong,
+                         &m.samples, &k, out);
 out:
+    gp_free(m.samples.sums);
     gp_kernel_free(&k);
     close_mixture(&m);
     close_mixture(&pixels);
@@ -606,8 +635,8 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
         return st;
     GP_TRY(make_split(log, field, &m, &k));
     if (sky) // of a light in the middle
-        k.left_out += gp_sky_outside(sky, 0.5 * (field->seen_w - 1),
-                                     0.5 * (field->seen_h - 1)) -
+        k.left_out += gp_sky_left_out(sky, 0.5 * (field->seen_w - 1),
+                                      0.5 * (field->seen_h - 1)) -
                       gp_sky_light(sky) + gp_sky_given(sky);
     k.sky = sky;
     sky = NULL;

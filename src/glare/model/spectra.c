@@ -248,6 +248,8 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
 {
     struct lag_matrix m = {.edge = (int) ceil(n / step + 1.0),
                            .period = period, .step = step};
+    if (nodes > 0.0) // nothing is beyond the first zero
+        m.edge = gp_min(m.edge, (int) ceil(period / fmax(nodes, 1.0)));
     const size_t rows = 2 * (size_t) m.edge + 1;
     const size_t most = (size_t) ceil(2.0 * step) + 3;
     size_t at = 0;

@@ -56,24 +56,10 @@ bool gp_cosine_grid_lay(const struct gp_projection *p, int w, int h,
 
 // -- making --------------------------------------------------------------------
 
-static void sum_row(void *ctx, int y, int thread)
-{
-    struct gp_cosines *const c = ctx;
-    const struct gp_kernel *const k = &c->nodes;
-    double *const row = c->sums + (size_t) y * ((size_t) k->w + 1);
-    (void) thread;
-    row[0] = 0.0;
-    for (int x = 0; x < k->w; x++) {
-        const size_t i = (size_t) y * (size_t) k->w + (size_t) x;
-        row[x + 1] = row[x];
-        for (int n = 0; n < 3; n++)
-            row[x + 1] += (double) c->weight[n] * (double) k->k.c[n][i];
-    }
-}
-
 gp_status gp_cosines_make(const struct gp_log *log,
                           const struct gp_cosine_grid *grid,
-                          const float weight[3], double wrong,
+                          const float weight[3], const double light[3],
+                          double wrong, struct gp_cosine_samples *samples,
                           struct gp_kernel *nodes, struct gp_cosines **out)
 {
     struct gp_cosines *c;
@@ -86,21 +72,14 @@ gp_status gp_cosines_make(const struct gp_log *log,
     c->wrong = wrong;
     for (int i = 0; i < 3; i++)
         c->weight[i] = weight[i];
-    const struct gp_kernel *const k = &c->nodes;
-    st = gp_alloc(log, "kernel", (size_t) k->h * ((size_t) k->w + 1),
-                  sizeof *c->sums, &c->sums);
-    if (!st) {
-        gp_parallel_do(k->h, sum_row, c);
-        for (int y = 0; y < k->h; y++)
-            c->core +=
-                c->sums[(size_t) y * ((size_t) k->w + 1) + (size_t) k->w];
-        for (int i = 0; i < 3; i++) // of all of it
-            c->light += (double) weight[i] * k->sum[i];
-        *out = c;
-        c = NULL;
+    c->samples = *samples;
+    *samples = (struct gp_cosine_samples) {0};
+    for (int i = 0; i < 3; i++) {
+        c->light[i] = light[i];
+        c->all += (double) weight[i] * light[i];
     }
-    gp_cosines_free(&c);
-    return st;
+    *out = c;
+    return GP_OK;
 }
 
 void gp_cosines_at(const struct gp_kernel *k, double u, double v, double d[3])
@@ -131,14 +110,14 @@ void gp_cosines_free(struct gp_cosines **c)
         gp_far_free(
             (*c)->nodes.far); // it has no more: of samples, not of a model
         gp_planes_free(&(*c)->nodes.k);
-        gp_free((*c)->sums);
+        gp_free((*c)->samples.sums);
     }
     GP_FREE(*c);
 }
 
 double gp_cosines_light(const struct gp_cosines *c)
 {
-    return c->light;
+    return c->all;
 }
 
 double gp_cosines_wrong(const struct gp_cosines *c)
@@ -151,8 +130,8 @@ double gp_cosines_wrong(const struct gp_cosines *c)
 /* The core's light in its row y between two places on it, in samples. */
 static double between(const struct gp_cosines *c, int y, double from, double to)
 {
-    const int w = c->nodes.w;
-    const double *const row = c->sums + (size_t) y * ((size_t) w + 1);
+    const int w = c->samples.w;
+    const double *const row = c->samples.sums + (size_t) y * ((size_t) w + 1);
     double at[2] = {from, to};
     for (int i = 0; i < 2; i++) {
         const double t = fmin(fmax(at[i], 0.0), w);
@@ -180,8 +159,8 @@ double gp_cosines_outside(const struct gp_cosines *c, double x, double y)
     const double top = (-0.5 - p->y0) * p->dy;
     const double bottom = (g->h - 0.5 - p->y0) * p->dy;
     double inside = 0.0;
-    for (int j = 0; j < c->nodes.h; j++) {
-        const double b = at.y + (j - c->nodes.cy) * g->step[1];
+    for (int j = 0; j < c->samples.h; j++) {
+        const double b = at.y + (j - c->samples.h / 2) * g->step[1];
         if (fabs(b) >= 1.0)
             continue;
         const double q = sqrt(1.0 - b * b), size = fabs(b);
@@ -193,12 +172,12 @@ double gp_cosines_outside(const struct gp_cosines *c, double x, double y)
         const double ends[2][2] = {{fmax(from, -far), fmin(to, far)},
                                    {fmax(from, -near), fmin(to, near)}};
         for (int i = 0; i < (near > 0.0 ? 2 : 1); i++) {
-            const double first = 0.5 + c->nodes.cx - at.x / g->step[0];
+            const double first = 0.5 + c->samples.w / 2 - at.x / g->step[0];
             const double light = between(c, j, first + ends[i][0] / g->step[0],
                                          first + ends[i][1] / g->step[0]);
             inside += i ? -light : light;
         }
     }
-    // the far field, of under 1e-3 of the light, as the core
-    return c->light * (1.0 - fmin(inside / c->core, 1.0));
+    // what no node has is outside
+    return fmax(c->all - inside, 0.0);
 }

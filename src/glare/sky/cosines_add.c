@@ -101,7 +101,7 @@ static inline void place_of(const struct gp_cosine_grid *g, double x, double y,
 }
 
 /* Lays light on the nodes, one channel. */
-static void lay_channel(void *ctx, int c, int thread)
+GP_CLONES static void lay_channel(void *ctx, int c, int thread)
 {
     const struct adding *const a = ctx;
     const size_t wide = (size_t) a->lit[0].n;
@@ -369,6 +369,30 @@ gp_status gp_cosines_add(const struct gp_log *log, const struct gp_cosines *c,
 out:
     gp_planes_free(&a.spread);
     gp_free(a.point);
+    return st;
+}
+
+gp_status gp_cosines_beyond(const struct gp_log *log,
+                            const struct gp_cosines *c, struct gp_rect picture,
+                            struct gp_planes *share)
+{
+    const size_t w = (size_t) gp_rect_w(picture),
+                 n = w * (size_t) gp_rect_h(picture);
+    struct gp_cosines_kept *kept = NULL;
+    struct gp_source *even;
+    gp_status st = gp_alloc(log, "edges", n, sizeof *even, &even);
+    if (st)
+        return st;
+    for (size_t i = 0; i < n; i++)
+        even[i] = (struct gp_source) {
+            (int) (i % w), (int) (i / w), {1.0f, 1.0f, 1.0f}};
+    gp_planes_clear(share, 0, n);
+    st = gp_cosines_add(log, c, even, n, picture, share, true, &kept);
+    for (int k = 0; k < 3; k++)
+        for (size_t i = 0; i < n; i++)
+            share->c[k][i] = (float) (c->light[k] - (double) share->c[k][i]);
+    gp_cosines_kept_free(&kept);
+    gp_free(even);
     return st;
 }
 

@@ -11,8 +11,8 @@ struct gp_cosines {
     struct gp_cosine_grid grid;
     struct gp_kernel nodes; // owned
     float weight[3];
-    double *sums; // of its luminance from the left, rows of nodes->w + 1; owned
-    double core, light, wrong;
+    struct gp_cosine_samples samples;
+    double light[3], all, wrong; // all: light's luminance
 };
 
 /* Direction cosines of places between two corners. */

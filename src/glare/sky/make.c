@@ -340,18 +340,17 @@ out:
     return st;
 }
 
-/* Fills error.kept, of cosines: light in the frame, where a source's pixel is no smaller
- * than the smallest, and another no larger than that in the middle. */
+/* Fills error.kept, of cosines: light in the frame of a source in a corner, where a pixel
+ * is no smaller than the smallest, and another no larger than that in the middle. */
 static void find_kept(struct gp_sky *s)
 {
     const struct gp_projection *const p = &s->p.projection;
     double least = 1.0, most = 0.0;
-    for (int i = 0; i < 4; i++)
-        least = fmin(least, gp_projection_direction(p, (i & 1) * (s->p.w - 1),
-                                                    (i >> 1) * (s->p.h - 1))
-                                .z);
-    for (int i = 0; i < s->outer[0] * s->outer[1]; i++)
-        most = fmax(most, (double) s->outside[i]);
+    for (int i = 0; i < 4; i++) {
+        const double x = (i & 1) * (s->p.w - 1), y = (i >> 1) * (s->p.h - 1);
+        least = fmin(least, gp_projection_direction(p, x, y).z);
+        most = fmax(most, gp_cosines_outside(s->p.cosines, x, y));
+    }
     s->error.kept = fmax(gp_cosines_light(s->p.cosines) - most, 0.0) * least *
                     least * least * least;
 }
@@ -378,7 +377,6 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     s->ratio = RATIOS[i];
     s->error.cosines = p->cosines ? gp_cosines_wrong(p->cosines) : 0.0;
     if (!p->n) {
-        GP_TRY(gp_sky_outside_table(log, s));
         find_kept(s);
         *out = s;
         s = NULL;
@@ -454,6 +452,12 @@ double gp_sky_light(const struct gp_sky *s)
 {
     return s->spread + s->light.stays +
            (s->p.cosines ? gp_cosines_light(s->p.cosines) : 0.0);
+}
+
+double gp_sky_left_out(const struct gp_sky *s, double x, double y)
+{
+    return gp_sky_outside(s, x, y) +
+           (s->p.cosines ? gp_cosines_outside(s->p.cosines, x, y) : 0.0);
 }
 
 struct gp_cosines *gp_sky_cosines(const struct gp_sky *s)

@@ -135,19 +135,15 @@ static const struct gp_gauss *points_of(double at, int n)
 
 double gp_sky_outside(const struct gp_sky *s, double x, double y)
 {
-    const double more =
-        s->p.cosines ? gp_cosines_outside(s->p.cosines, x, y) : 0.0;
-    if (s->sphere)
-        return 0.0; // all of the sky is in the frame
-    if (!s->p.n)
-        return more;
+    if (s->sphere || !s->p.n)
+        return 0.0; // all of the sky is in the frame, or there are no levels
     const struct gp_gauss *const g = points_of(x, s->p.w);
     const struct gp_gauss *const d = points_of(y, s->p.h);
     double sum = 0.0;
     for (int i = 0; i < g->n * d->n; i++)
         sum += g->weight[i % g->n] * d->weight[i / g->n] *
                outside_of(s, x + g->node[i % g->n], y + d->node[i / g->n]);
-    return sum + more;
+    return sum;
 }
 
 // -- a table of places --------------------------------------------------------
@@ -173,9 +169,9 @@ static void find_row(void *ctx, int j, int thread)
     (void) thread;
     const int w = s->outer[0], h = s->outer[1];
     for (int i = 0; i < w; i++) {
-        // mirrored places have the same share, but of an opening
-        const bool known = !s->p.cosines && ((s->even[0] && i > w - 1 - i) ||
-                                             (s->even[1] && j > h - 1 - j));
+        // mirrored places have the same share
+        const bool known =
+            (s->even[0] && i > w - 1 - i) || (s->even[1] && j > h - 1 - j);
         if (!known)
             s->outside[j * w + i] =
                 (float) gp_sky_outside(s, s->outer_at[0][i], s->outer_at[1][j]);
@@ -271,7 +267,7 @@ gp_status gp_sky_outside_table(const struct gp_log *log, struct gp_sky *s)
         return st;
     const int w = s->outer[0], h = s->outer[1];
     gp_parallel_do(h, find_row, s);
-    for (int i = 0; i < w * h && !s->p.cosines; i++) {
+    for (int i = 0; i < w * h; i++) {
         const int x = i % w, y = i / w;
         const int from = s->even[0] && x > w - 1 - x ? w - 1 - x : x;
         const int down = s->even[1] && y > h - 1 - y ? h - 1 - y : y;
@@ -316,7 +312,7 @@ void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)
 {
     const int *const at = s->outer_at[0];
     int j = 0, end = 0;
-    if (s->sphere) {
+    if (s->sphere || !s->p.n) {
         memset(row, 0, (size_t) s->p.w * sizeof *row);
         return;
     }

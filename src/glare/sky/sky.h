@@ -125,8 +125,11 @@ const char *gp_sky_way(const struct gp_sky *sky);
  * pixel. */
 double gp_sky_light(const struct gp_sky *sky);
 
-/* The share of the light of a source at (x, y) that falls outside of the frame: as
- * much of a pixel's glare comes from there where the sky is even. */
+/* The share of the light of a source at (x, y) that falls outside of the frame. */
+double gp_sky_left_out(const struct gp_sky *sky, double x, double y);
+
+/* The same of levels: as much of a pixel's glare comes from there where the sky is
+ * even. */
 double gp_sky_outside(const struct gp_sky *sky, double x, double y);
 
 /* Fills `row` with it; between places that are denser towards the border, within

@@ -214,6 +214,37 @@ static void light_beside_is_the_same(void **state)
     gp_kernel_free(&k);
 }
 
+static void even_pictures_stay_even(void **state)
+{
+    static const double fovs[] = {0.001, 0.05, 1.0, 30.0, 90.0};
+    (void) state;
+    for (size_t i = 0; i < COUNT(fovs); i++) {
+        struct gp_kernel k =
+            kernel_of("aperture", GP_PERSPECTIVE, W, H, fovs[i], 0.0);
+        const struct gp_sources like = {
+            .w = W, .h = H, .luminance = {0.2f, 0.7f, 0.1f}};
+        struct gp_image f = {.data = {0, 0, W, H}, .display = {0, 0, W, H}};
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare engines = {0};
+        struct glarepp_layer_facts facts;
+        struct gp_sources src;
+        assert_ok(gp_sources_make(NULL, &like, N, &src));
+        for (int j = 0; j < N; j++)
+            gp_sources_add(&src, j % W, j / W,
+                           (const float[3]) {10.0f, 10.0f, 10.0f});
+        gp_sources_finish(&src);
+        p.engine = "fft";
+        p.edges = (struct gp_surround) {GLAREPP_EXTEND, &src, NULL};
+        assert_ok(gp_glare_run(NULL, &p, &engines, &src, &k, &f, &facts));
+        for (int j = 0; j < 3 * N; j++)
+            assert_true(fabsf(f.layer.c[j / N][j % N] - 10.0f) <= 1e-3f);
+        gp_glare_close(&engines);
+        gp_planes_free(&f.layer);
+        gp_sources_free(&src);
+        gp_kernel_free(&k);
+    }
+}
+
 static void others_are_planes(void **state)
 {
     static const enum gp_projecting kinds[] = {GP_LATLONG, GP_FISHEYE,
@@ -232,4 +263,4 @@ static void others_are_planes(void **state)
 
 SUITE_OF(cosines, NULL, NULL, the_definition_is_the_formula,
          transforms_are_the_sum, light_is_kept, light_beside_is_the_same,
-         others_are_planes)
+         even_pictures_stay_even, others_are_planes)
