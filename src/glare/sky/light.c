@@ -41,7 +41,8 @@ gp_status gp_sky_light_make(const struct gp_log *log,
 {
     static const double H = 1e-3;       // of chord^2, for slopes
     static const double NEAREST = 1e-3; // of a pixel: nearer light is even
-    struct gp_sky_light l = {.nearest = INFINITY};
+    static const double NARROW = 3e-6;  // radians: no peak notices
+    struct gp_sky_light l = {.nearest = NARROW};
     for (int i = 0; i < 5; i++) { // corners, and the axis
         const double x = i < 4 ? (i & 1) * (p->w - 1.0) : p->projection.x0;
         const double y = i < 4 ? (i >> 1) * (p->h - 1.0) : p->projection.y0;
@@ -81,6 +82,35 @@ int gp_sky_order(double away)
                           : 8;
 }
 
+/* Tests whether the metric changes within pixels by more than the light's error may be:
+ * by up to a quarter of a side's square. */
+static bool is_large(const struct gp_projection *p)
+{
+    static const double LARGE = 3e-6;
+    const double k = fmax(p->dx, p->dy);
+    return p->kind != GP_LATLONG && 0.25 * k * k > LARGE;
+}
+
+/* How much more light there is between points a step apart where their middle is anywhere
+ * in so many pixels around `mid`: by two places along each axis. */
+static double more_around(const struct gp_sky_light *l,
+                          const struct gp_projection *p, const double mid[2],
+                          const double step[2], const double within[2])
+{
+    static const double ROOT = 0.2886751345948129; // of 1/12
+    const double least = l->nearest * l->nearest;
+    double sum = 0.0;
+    for (int k = 0; k < 5; k++) {
+        const double x = k ? within[0] * ROOT * (k & 1 ? 1.0 : -1.0) : 0.0;
+        const double y = k ? within[1] * ROOT * (k & 2 ? 1.0 : -1.0) : 0.0;
+        const double c = gp_projection_chord2(
+            p, mid[0] + x + 0.5 * step[0], mid[1] + y + 0.5 * step[1],
+            mid[0] + x - 0.5 * step[0], mid[1] + y - 0.5 * step[1]);
+        sum += (k ? 0.25 : -1.0) * gp_sky_soft(l, 0.0, fmax(c, least));
+    }
+    return sum;
+}
+
 double gp_sky_mean(const struct gp_sky_light *l, const struct gp_projection *p,
                    double a, double less, int order, const double at[2],
                    const double from[2])
@@ -101,6 +131,13 @@ double gp_sky_mean(const struct gp_sky_light *l, const struct gp_projection *p,
                 sum -= w * gp_sky_soft(l, less, c);
         }
     }
+    if (a == 0.0 && is_large(p)) { // (soft light is but a share of it)
+        static const double WITHIN[2] = {M_SQRT1_2, M_SQRT1_2}; // of steps
+        const double mid[2] = {0.5 * (at[0] + from[0]),
+                               0.5 * (at[1] + from[1])};
+        const double step[2] = {at[0] - from[0], at[1] - from[1]};
+        sum += more_around(l, p, mid, step, WITHIN);
+    }
     return sum;
 }
 
@@ -114,6 +151,25 @@ static double nearest_of(double from, double size)
     return from > 0.0 ? from : fmin(from + size, 0.0);
 }
 
+/* The sum of more_around() over a box, of pixels so far apart: so little that two steps
+ * along each axis do. */
+static double more_in(const struct gp_sky_light *l,
+                      const struct gp_projection *p, const double mid[2],
+                      const double apart[2], const struct box *b)
+{
+    const struct gp_gauss *const g = gp_gauss_rule(2);
+    double sum = 0.0;
+    for (int k = 0; k < 4; k++) {
+        const double step[2] = {b->x + b->w * (0.5 + g->node[k & 1]),
+                                b->y + b->h * (0.5 + g->node[k >> 1])};
+        const double tent[2] = {1.0 - fabs(step[0] - apart[0]),
+                                1.0 - fabs(step[1] - apart[1])};
+        sum += 0.25 * b->w * b->h * tent[0] * tent[1] *
+               more_around(l, p, mid, step, tent);
+    }
+    return sum;
+}
+
 double gp_sky_close_mean(const struct gp_sky_light *l,
                          const struct gp_projection *p, const double at[2],
                          const double from[2])
@@ -124,10 +180,11 @@ double gp_sky_close_mean(const struct gp_sky_light *l,
     const double mid[2] = {at[0] - 0.5 * apart[0], at[1] - 0.5 * apart[1]};
     const struct gp_metric m = gp_projection_metric(p, mid[0], mid[1]);
     const double least = l->nearest * l->nearest;
-    // where both points move together, but at a pole, no distance changes
+    // where both points move together distances change little, but at a pole
     const bool pole = p->kind == GP_LATLONG &&
                       0.5 * M_PI - fabs(mid[1] - p->y0) * p->dy < 4.0 * p->dy;
     const int moves = pole ? g->n : 1;
+    const bool large = is_large(p);
     const double solid = gp_projection_solid(p, at[0], at[1]) *
                          gp_projection_solid(p, from[0], from[1]);
     struct box todo[MOST];
@@ -154,6 +211,7 @@ double gp_sky_close_mean(const struct gp_sky_light *l,
             todo[n++] = other;
             continue;
         }
+        sum += large ? more_in(l, p, mid, apart, &b) : 0.0;
         for (int j = 0; j < g->n * moves; j++) {
             const double v = b.y + b.h * (0.5 + g->node[j % g->n]);
             const double tent = 1.0 - fabs(v - apart[1]);
