@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Deep frames of leaves and smoke, or of hair, and the shares of lights in them.
 
-    deep.py make FOLDER       deep.exr, other.exr (its samples in another order), plain.exr
-                              (its picture), lights.json, truth.json
+    deep.py make FOLDER       deep.exr, other.exr (its samples in another order), tiles.exr
+                              and zips.exr (in tiles), lights.json, truth.json
     deep.py hair FOLDER SEED  deep.exr, lights.json, truth.json, mirror.json
     deep.py check TRUTH.json REPORT.json LIMIT
 
@@ -18,6 +18,7 @@ import math
 import random
 import struct
 import sys
+import zlib
 
 W, H, RAYS, LOOKS = 96, 64, 16, 256
 
@@ -96,38 +97,54 @@ def attribute(name, kind, data):
             struct.pack("<i", len(data)) + data)
 
 
-def write(path, pixels, order):
-    """A deep EXR of scanlines without compression; pixels[y][x] is a list of samples."""
+def packed(counts):
+    """A count table as OpenEXR compresses it (ZIPS)."""
+    split = counts[0::2] + counts[1::2]
+    return zlib.compress(split[:1] + bytes((b - a + 128) & 255
+                                           for a, b in zip(split, split[1:])))
+
+
+def write(path, pixels, order, tile=None, zips=False):
+    """A deep EXR of scanlines, or of tiles as OpenEXR writes them: a count table that is
+    stored has the bytes of a whole tile. pixels[y][x] is a list of samples."""
     names = ["A", "B", "G", "R", "Z", "ZBack"]
     box = struct.pack("<4i", 0, 0, W - 1, H - 1)
     channels = b"".join(n.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1)
                         for n in names) + b"\0"
+    w, h = tile or (W, 1)
+    blocks = [(x, y) for y in range(0, H, h) for x in range(0, W, w)]
     head = struct.pack("<ii", 20000630, 2 | 0x800)
-    for a in (("channels", "chlist", channels), ("compression", "compression", b"\0"),
+    for a in (("channels", "chlist", channels),
+              ("compression", "compression", b"\2" if zips else b"\0"),
               ("dataWindow", "box2i", box), ("displayWindow", "box2i", box),
               ("lineOrder", "lineOrder", b"\0"),
               ("pixelAspectRatio", "float", struct.pack("<f", 1)),
               ("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
               ("screenWindowWidth", "float", struct.pack("<f", 1)),
-              ("type", "string", b"deepscanline"), ("version", "int", struct.pack("<i", 1)),
-              ("chunkCount", "int", struct.pack("<i", H))):
-        head += attribute(*a)
+              ("tiles", "tiledesc", struct.pack("<iib", w, h, 0)),
+              ("type", "string", b"deeptile" if tile else b"deepscanline"),
+              ("version", "int", struct.pack("<i", 1)),
+              ("chunkCount", "int", struct.pack("<i", len(blocks)))):
+        if tile or a[0] != "tiles":
+            head += attribute(*a)
     head += b"\0"
-    body, table, at = b"", b"", len(head) + 8 * H
-    for y, row in enumerate(pixels):
-        row = [order(s) for s in row]
-        counts, n = b"", 0
-        for s in row:
-            n += len(s)
-            counts += struct.pack("<i", n)
-        data = b""
-        for name in names:
+    body, table, at = b"", b"", len(head) + 8 * len(blocks)
+    for x, y in blocks:
+        counts, data = b"", b""
+        for row in pixels[y:y + h]:
+            row, n = [order(s) for s in row[x:x + w]], 0
             for s in row:
-                for z, back, a in s:
-                    v = {"A": a, "Z": z, "ZBack": back, "R": 0.5 * a, "G": z / 40 * a,
-                         "B": (z + back) / 80 * a}[name]
-                    data += struct.pack("<f", v)
-        chunk = struct.pack("<iQQQ", y, len(counts), len(data), len(data)) + counts + data
+                n += len(s)
+                counts += struct.pack("<i", n)
+            for name in names:
+                for s in row:
+                    for z, back, a in s:
+                        v = {"A": a, "Z": z, "ZBack": back, "R": 0.5 * a, "G": z / 40 * a,
+                             "B": (z + back) / 80 * a}[name]
+                        data += struct.pack("<f", v)
+        counts = packed(counts) if zips else counts.ljust(4 * w * h, b"\xff")
+        lead = struct.pack("<4i", x // w, y // h, 0, 0) if tile else struct.pack("<i", y)
+        chunk = lead + struct.pack("<QQQ", len(counts), len(data), len(data)) + counts + data
         table += struct.pack("<Q", at)
         at += len(chunk)
         body += chunk
@@ -145,6 +162,8 @@ def make(folder):
                        for x in range(W)])
     write(folder + "/deep.exr", pixels, lambda s: s)
     write(folder + "/other.exr", pixels, lambda s: s[::-1])
+    write(folder + "/tiles.exr", pixels, lambda s: s, (19, 21))
+    write(folder + "/zips.exr", pixels, lambda s: s, (19, 21), True)
     lights, truth = [], {}
     for k, (x, y, r, depth) in enumerate(
             [(24.3, 30.1, 15, None), (24.3, 30.1, 15, 20), (22, 33.7, 20, 12),

@@ -85,9 +85,13 @@ is "$(field r.json 'o["lights"][0]["visibility"] < 1, o["sun_method"]'; cat err)
 
 # -- pictures ------------------------------------------------------------------
 
-for name in deep other; do
+for name in deep other tiles zips; do
     run -q --type float --hdr $name.hdr.exr $name.exr
     quiet_success "$name.exr becomes a picture"
+done
+for name in tiles zips; do
+    run compare --fail 0 deep.hdr.exr $name.hdr.exr
+    status_is 0 "$name.exr: tiles over the edge make the same picture"
 done
 run compare --fail 1e-5 --warn 1e-5 deep.hdr.exr other.hdr.exr
 status_is 0 'unsorted samples make the same picture'

@@ -450,25 +450,30 @@ struct deep {
     size_t room;    // bytes of each of these three
 };
 
-/* Reads and expands `packed` bytes at `from` into d->bytes, `size` of them. */
+/* Reads and expands `packed` bytes at `from` into d->bytes, `size` of them. If
+ * they are stored, the file has `whole` bytes: an edge tile's table is then as
+ * long as any other's, so a compressed one may be longer than its `size`. */
 static gp_status read_bytes(struct deep *d, int chunk, uint64_t from,
-                            uint64_t packed, uint64_t size)
+                            uint64_t packed, uint64_t size, uint64_t whole)
 {
     const struct gp_exr_chunks *const l = &d->out->part;
-    const bool stored = packed == size;
+    const bool none = l->compression == EXR_COMPRESSION_NONE;
+    const bool stored = packed == whole || (none && packed == size);
+    const uint64_t read = stored ? size : packed;
+    const uint64_t room = read > size ? read : size;
     gp_status st;
     // a byte of DEFLATE is at most 1032, one of RLE at most 64
-    if (packed > size || size > (packed + 64) * 1032 || size % 2 ||
-        (!stored && l->compression == EXR_COMPRESSION_NONE))
+    if (packed > whole || size > (packed + 64) * 1032 || size % 2 ||
+        (!stored && none))
         return damaged(d->log, l, chunk, "its size is wrong");
-    if (size > d->room) {
+    if (room > d->room) {
         GP_FREE(d->bytes);
-        GP_TRY(gp_alloc(d->log, l->path, size, 3, &d->bytes));
-        d->room = size;
+        GP_TRY(gp_alloc(d->log, l->path, room, 3, &d->bytes));
+        d->room = room;
     }
     uint8_t *const from_file = d->bytes + d->room;
     if (gp_exr_read_bytes(&l->input->stream, stored ? d->bytes : from_file,
-                          packed, from) != (int64_t) packed)
+                          read, from) != (int64_t) read)
         return damaged(d->log, l, chunk, "it cannot be read");
     if (!stored &&
         !unzip(d->inflate, l->compression == EXR_COMPRESSION_RLE, from_file,
@@ -485,10 +490,11 @@ static gp_status read_counts(struct deep *d, int chunk)
     const struct gp_exr_chunks *const l = &d->out->part;
     const exr_chunk_info_t *const c = &l->chunk[chunk];
     const struct gp_rect b = pixels_of(l, c);
+    const uint64_t w = (uint64_t) gp_rect_w(b), h = (uint64_t) gp_rect_h(b);
+    const uint64_t whole = (uint64_t) l->tile_w * (uint64_t) l->tile_h;
     gp_status st = read_bytes(d, chunk, c->sample_count_data_offset,
                               c->sample_count_table_size,
-                              (uint64_t) gp_rect_w(b) *
-                                  (uint64_t) gp_rect_h(b) * sizeof(int32_t));
+                              w * h * sizeof(int32_t), whole * sizeof(int32_t));
     const uint8_t *from = d->bytes;
     for (int y = b.y0; y < b.y1 && !st; y++) {
         int64_t *const to = d->out->first + (int64_t) y * l->w + 1;
@@ -520,7 +526,8 @@ static gp_status read_samples(struct deep *d, int chunk)
     }
     if (size != c->unpacked_size)
         return damaged(d->log, l, chunk, "its counts are not its samples'");
-    gp_status st = read_bytes(d, chunk, c->data_offset, c->packed_size, size);
+    gp_status st =
+        read_bytes(d, chunk, c->data_offset, c->packed_size, size, size);
     const uint8_t *from = d->bytes;
     for (int y = b.y0; y < b.y1 && !st; y++) {
         const int64_t *const first = d->out->first + (int64_t) y * l->w;
