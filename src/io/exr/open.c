@@ -324,6 +324,9 @@ static int64_t read_for_library(exr_const_context_t ctxt, void *user, void *to,
     if (got > 0 && hidden && hidden >= offset &&
         hidden - offset < (uint64_t) got)
         ((char *) to)[hidden - offset] = '-'; // "-ype", a name of no use
+    // with the flag of deep parts it would ask flat ones for a version, too
+    if (got > 5 - (int64_t) offset && offset < 6 && in->index->multi)
+        ((char *) to)[5 - offset] &= ~(GP_EXR_DEEP >> 8);
     if (got > 0 && in->index->rebuilt)
         lay_tables(in->index, to, offset, offset + (uint64_t) got);
     return got;

@@ -328,6 +328,25 @@ static void planes_over_max_pixels(void **state)
     assert_kept("too large");
 }
 
+/* exrmultipart writes none in a flat part beside a deep one. */
+static void a_flat_part_without_version(void **state)
+{
+    static const char version[] = "version\0int";
+    const struct fixture f = {
+        .parts = 2, .part = {COLOUR("c"), DEEP("d")}, .more = views_by_name};
+    struct gp_frame frame;
+    size_t size;
+    uint8_t *bytes = fixture_make(&f, &size);
+    uint8_t *const at = memmem(bytes, size, version, sizeof version);
+    assert_non_null(at);
+    *at = '-';
+    fixture_save(in_folder("f.exr"), bytes, size);
+    free(bytes);
+    assert_ok(read_file(path, &frame));
+    assert_int_equal(frame.parts, 2);
+    gp_frame_free(&frame);
+}
+
 static int set_up(void **state)
 {
     return open_oiio(state) || make_folder(state);
@@ -335,5 +354,5 @@ static int set_up(void **state)
 
 SUITE_OF(read_plane, set_up, remove_folder, channels_of_a_plane_file,
          planes_of_other_formats, deep_files, planes_over_max_pixels,
-         depth_of_any_part,
+         depth_of_any_part, a_flat_part_without_version,
          names_that_are_not_there, samples_are_those_of_the_file, matrices)
