@@ -422,8 +422,8 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
         if (lib->light[i].in_frame && strcmp(lib->shares_by, "scene") != 0)
             facts->edges =
                 fs->deep.first
-                    ? "deep: within 0.003 of the truth for a sun of 6 pixels "
-                      "among leaves, 0.01 among hair"
+                    ? "deep: within 0.01 of the truth for a sun of 6 pixels "
+                      "among leaves or hair"
                     : edges[facts->mask != NULL][facts->depth != NULL];
     }
     for (int i = 0; i < r->jobs->targets && !st; i++) {
