@@ -218,11 +218,11 @@ void gp_stored_image_free(struct gp_stored_image *image)
 
 // -- deep pixels beside a frame -------------------------------------------------
 
-/* Returns the first deep part with a channel A, in the view of part `like` where that
- * is not -1; -1: none. */
-static int deep_part(const struct gp_input *in, int like)
+/* Returns the first deep part from `part` on with a channel A, in the view of part
+ * `like` where that is not -1; -1: none. */
+static int deep_part(const struct gp_input *in, int like, int part)
 {
-    for (int part = 0; part < in->parts; part++) {
+    for (; part < in->parts; part++) {
         const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
         if (!gp_exr_is_deep(in, part) ||
             (like >= 0 && gp_exr_other_view(in, part, like)))
@@ -241,9 +241,15 @@ gp_status gp_read_deep(const struct gp_log *log, const struct gp_read_params *p,
 {
     struct gp_stored_file file = {.path = f->path, .input = f->input};
     gp_status st = path ? gp_stored_open(log, p, path, &file) : GP_OK;
-    const int part =
-        st || !file.input ? -1 : deep_part(file.input, path ? -1 : f->part);
+    const int like = path ? -1 : f->part;
+    const int part = st || !file.input ? -1 : deep_part(file.input, like, 0);
+    const int other = part < 0 ? -1 : deep_part(file.input, like, part + 1);
     *found = part >= 0;
+    if (other >= 0)
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: of its deep parts only part %d hides lights, part %d does "
+               "not; merge them",
+               file.path, part, other);
     if (*found)
         st = gp_stored_read(log, p, &file, part, out);
     else if (path && !st)

@@ -57,6 +57,10 @@ frame wide.exr channels=R,G,B,Z:float kind=dark size=128x64
 run --lights lights.json --deep deep.exr --report r.json wide.exr
 is "$(grep -c 'deep.exr: does not cover wide.exr (its window is 96x64' err)" 1 \
     'a deep file of another size is said'
+frame two.exr channels=A:float,Z:float deep=3 size=96x64 part=back:A,Z:float
+run --lights lights.json --deep two.exr --report r.json plain.exr
+is "$(grep -c 'two.exr: .* only part 0 hides lights, part 1 does not' err)" 1 \
+    'of two deep parts the other is said'
 
 # a scene before them, a wall beyond all: its rays are taken, samples are the check
 cat >wall.gltf <<'JSON'
