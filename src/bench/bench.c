@@ -13,6 +13,7 @@
 static const double LONG_MS = 6e3;  // a run over this is extrapolated
 static const double ROW_MS = 15e3;  // no further run is started after this
 enum { MANY = 20000 };              // sources from which direct is thinned
+static const double PAIRS = 6e7;    // most by true angles; one takes 0.1 us
 
 /* One technique on the frame. */
 struct trial {
@@ -431,12 +432,15 @@ static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
     out->kernel_h = kernel->h;
     out->kernel_left_out = kernel->modelled ? kernel->left_out : (double) NAN;
     const struct gp_bench_technique *t = gp_bench_techniques;
+    const double pairs =
+        (double) out->sources * (double) out->width * (double) out->height;
     for (; t->name; t++) {
-        if (t->follows && t->tolerance > 0.0f && !b->angles)
+        const bool direct = strcmp(t->engine, "direct") == 0;
+        if (t->follows && t->tolerance > 0.0f &&
+            (!b->angles || (direct && pairs > PAIRS)))
             continue;
         // the layer by the kernel's core and its far field is auto's
-        const bool whole =
-            (kernel->grid || b->angles) && strcmp(t->engine, "direct") == 0;
+        const bool whole = (kernel->grid || b->angles) && direct && !t->follows;
         technique[out->rows] = *t;
         struct gp_bench_row *const row = gp_bench_row_add(
             b, whole ? "direct, whole kernel" : t->name, NULL, out);

@@ -57,7 +57,7 @@ struct gp_bench_technique {
 };
 extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
 enum {
-    GP_BENCH_ROWS = 12,                // of gp_bench_techniques
+    GP_BENCH_ROWS = 13,                // of gp_bench_techniques
     GP_BENCH_MOST = GP_BENCH_ROWS + 3, // with flare, and a lens in two ways
 };
 

@@ -26,6 +26,7 @@ const struct gp_bench_technique gp_bench_techniques[] = {
     {"splat 4/8/1e-3", "splat", 4, 8, 1e-3f, false, 1e-3f},
     {"levels", "fft", 1, 0, 0.0f, true, 1e-3f},
     {"levels 1e-2", "fft", 1, 0, 0.0f, true, 1e-2f},
+    {"direct by true angles", "direct", 1, 0, 0.0f, true, 1e-3f},
     {"auto", "auto", 4, 8, 1e-3f, true, 0.0f},
     {0},
 };

@@ -269,6 +269,10 @@ else:
             r["levels"]["options"] == "-e fft --tolerance 0.001", "options make the row")
     verdict(chosen["rel_l2", 1e-3][:6] == chosen["flip", 1e-3][:6] == "levels",
             "within an error is what keeps it")
+    exact = r["direct by true angles"]
+    verdict(chosen["rel_l2", 1e-6] == exact["name"] and
+            exact["options"] == "-e direct --tolerance 0.001" and
+            exact["rel_l2"] <= exact["bound"], "within 1e-6, the sum itself")
     rough = r["levels 1e-2"]
     verdict(rough["options"] == "-e fft --tolerance 0.01" and rough["rel_l2"] > 2 * a["rel_l2"] and
             rough["rel_l2"] <= rough["bound"] < 1e-2, "one weight a node is a row")
