@@ -825,6 +825,8 @@ struct glarepp_share {
     double visibility;          // 0 hidden to 1 clear
     double low, high;           // between which the true share is
     bool found;                 // by SENSE
+    double sun_degrees;         // of a sun of the scene, and
+    const char *sun_from; // "scene", "option", "default"; NULL: it is none
 };
 
 struct glarepp_flare_facts {    // of bright pixels
@@ -859,8 +861,6 @@ struct glarepp_scene_facts {
     const char *camera;         // of the scene, where the frame has none
     bool compared;              // both have one,
     double apart;               // pixels between them
-    double sun_degrees;         // of the first sun, and
-    const char *sun_from;       // "scene", "option", "default"; NULL: no sun
 };
 
 struct glarepp_relit {

@@ -202,6 +202,12 @@ static gp_status note_shares(struct glarepp_frame *f)
             .found = l->found,
         };
         memcpy(s->name, l->name, sizeof s->name);
+        // those of the scene are the last that have a place
+        const int own = i - (suns->placed - suns->mores);
+        if (own >= 0 && own < suns->mores &&
+            f->work->scene->scene.light[own].kind == GP_LIGHT_DIRECTIONAL)
+            s->sun_degrees = gp_api_sun_size(
+                f->plan, &f->work->scene->scene.light[own], &s->sun_from);
     }
     f->facts.light = f->share;
     f->facts.lights = suns->n;

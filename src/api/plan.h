@@ -153,6 +153,10 @@ GP_MUST_CHECK gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
                                            struct gp_api_work *work);
 void gp_api_scene_end(struct gp_api_scene **scene);
 
+/* Returns the degrees that a sun is wide: the scene's own where no option says any. */
+double gp_api_sun_size(const struct glarepp_plan *plan,
+                       const struct gp_scene_light *l, const char **from);
+
 // -- frames -------------------------------------------------------------------
 
 /* A layer of a frame's light. With groups only these glare, each compared with

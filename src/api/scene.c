@@ -102,9 +102,8 @@ void gp_api_scene_end(struct gp_api_scene **scene)
 
 // -- a frame's lights ---------------------------------------------------------
 
-/* Returns the degrees that a sun is wide: the scene's own where no option says any. */
-static double size_of(const struct glarepp_plan *plan,
-                      const struct gp_scene_light *l, const char **from)
+double gp_api_sun_size(const struct glarepp_plan *plan,
+                       const struct gp_scene_light *l, const char **from)
 {
     static const struct glarepp_light_params usual = GLAREPP_LIGHT_PARAMS;
     const bool option = plan->sun.degrees != usual.degrees;
@@ -127,7 +126,7 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
     const struct gp_v3 at = sun ? to : l->at;
     spec.place = sun ? GLAREPP_DIRECTION : GLAREPP_WORLD;
     memcpy(spec.at, (double[3]) {at.x, at.y, at.z}, sizeof spec.at);
-    spec.degrees = size_of(plan, l, &from);
+    spec.degrees = gp_api_sun_size(plan, l, &from);
     spec.ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size;
     memcpy(spec.name, l->name, sizeof spec.name);
     // of half the angle that the disc is seen under
@@ -288,9 +287,6 @@ gp_status gp_api_pose(struct glarepp_frame *f)
         own->has_camera ? &own->frame_camera : NULL;
     for (int i = 0; i < own->scene.lights; i++) {
         const struct gp_scene_light *const l = &own->scene.light[i];
-        if (l->kind == GP_LIGHT_DIRECTIONAL && !f->facts.scene.sun_from)
-            f->facts.scene.sun_degrees =
-                size_of(f->plan, l, &f->facts.scene.sun_from);
         own->light[i] = spec_of(f->plan, l, c, f->image.display);
     }
     f->work->lights->suns.more = own->light;

@@ -231,6 +231,10 @@ static const struct row light_rows[] = {
     OF(glarepp_share, "lights.found", found, BYTES(glarepp_share, found)),
     OF(glarepp_share, "lights.visibility", visibility, .step = 1e-6),
     AS(INTERVAL, glarepp_share, "lights.interval", low),
+    OF(glarepp_share, "lights.sun_degrees", sun_degrees,
+       BYTES(glarepp_share, sun_from), .step = 1e-6),
+    OF(glarepp_share, "lights.sun_from", sun_from,
+       BYTES(glarepp_share, sun_from)),
     {0},
 };
 
@@ -330,9 +334,6 @@ static const struct row made_rows[] = {
     SOME("scene.file", lib.scene.path),
     FACT("scene.seconds", lib.scene.seconds, IF(lib.scene.path), .step = 1e-6),
     SOME("scene.camera", lib.scene.camera),
-    FACT("scene.sun_degrees", lib.scene.sun_degrees, IF(lib.scene.sun_from),
-         .step = 1e-6),
-    SOME("scene.sun_from", lib.scene.sun_from),
     FACT("scene.camera_apart", lib.scene.apart, IF(lib.scene.compared),
          .step = 1e-6),
     LIST("relit", OBJECT, lib.relit, lib.relits, IF(lib.relits),

@@ -106,13 +106,24 @@ sun()
         s/\"name\": \"lamp\",/\"extras\": {$2},/" lamp.gltf >sun.gltf
     shift 2
     run "$@" --scene sun.gltf --report r.json small.exr
-    field r.json '"%s %.3f" % (o["scene"]["sun_from"], o["scene"]["sun_degrees"])'
+    field r.json '"%s %.3f" % (lambda l: (l["sun_from"], l["sun_degrees"]))(o["lights"][0])'
 }
 
 is "$(sun '' '')" 'default 0.533' "a sun's usual size"
 is "$(sun '"angle_deg": 2' '')" 'scene 2.000' "a sun's size, of the light"
 is "$(sun '"angle_deg": 2' '"angle": 0.01')" 'scene 0.573' "but its node's wins"
 is "$(sun '"angle_deg": 2' '' --sun-size 3)" 'option 3.000' 'and an option'
+"$python" - sun.gltf <<'PY'
+import json, sys
+s = json.load(open(sys.argv[1]))
+at = "KHR_lights_punctual"
+s["extensions"][at]["lights"].append({"type": "directional"})
+s["nodes"].append({"name": "other", "extensions": {at: {"light": 1}}})
+json.dump(s, open(sys.argv[1], "w"))
+PY
+run --scene sun.gltf --sun 9,9,3 --report r.json small.exr
+is "$(field r.json '[(l.get("sun_from"), l.get("sun_degrees")) for l in o["lights"]]')" \
+    "[(None, None), ('scene', 2.0), ('default', 0.533)]" 'each sun has its own'
 run --lamp-size 1 -o o.png small.exr
 fails_with 2 'lamp-size: needs --scene' 'an option of scenes without one'
 
