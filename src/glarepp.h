@@ -1078,7 +1078,7 @@ struct glarepp_compare_facts {
     float start, stop;      // of HDR-FLIP
     int exposures;
     int result;             // 0 match, 1 warning, 2 failure: as idiff's status
-    /* What judged, the worst of which is the result: pixels over `fail`, or that an
+    /* Gates that judged, the worst of which is the result: pixels over `fail`, or that an
      * eye sees; hard_fail, fail_rel, fail_flip; pixels over `warn`; hard_warn. */
     struct {
         double found, limit; // NAN: it has none

@@ -142,7 +142,7 @@ GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
-/* What it is given, for the writers of formats. */
+/* A picture to write, as the writers of formats take it. */
 struct gp_picture_job {
     const struct gp_log *log;
     const struct gp_write_params *p;

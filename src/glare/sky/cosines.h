@@ -11,7 +11,8 @@
  * a_s being the area of a pixel in the cosines, its solid angle times z. D is as a pixel
  * in the middle of the field sees it, which shines and is lit evenly: its transform has
  * sinc^2 of each axis up to the first zeros, and nothing beyond. Light that is finer than
- * that stays in its pixel and those around it, the same everywhere. So D rings a little; the layer of all sources is at least 0.
+ * that stays in its pixel and those around it, the same everywhere. So D rings a little;
+ * the layer of all sources is at least 0.
  *
  * It is summed on nodes, a step apart. With B the spline of degree 7,
  *
@@ -58,8 +59,9 @@ struct gp_cosine_samples {
 struct gp_cosines;
 
 /* Makes them of a kernel K of nodes and samples, which are taken, and then empty;
- * `weight` of luminance; `light` of a source that they spread, by channel; `wrong` limits the norm of the splines' error for light of norm
- * 1. Free with gp_cosines_free(). Errors: GP_ERR_BUG out of memory. */
+ * `weight` of luminance; `light` of a source that they spread, by channel; `wrong` limits
+ * the norm of the splines' error for light of norm 1. Free with gp_cosines_free().
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_cosines_make(const struct gp_log *log,
                                         const struct gp_cosine_grid *grid,
                                         const float weight[3],
@@ -85,7 +87,7 @@ GP_MUST_CHECK gp_status gp_cosines_beyond(const struct gp_log *log,
                                           struct gp_rect picture,
                                           struct gp_planes *share);
 
-/* What is kept from frame to frame: NULL at first. */
+/* State that is kept from frame to frame: NULL at first. */
 struct gp_cosines_kept;
 void gp_cosines_kept_free(struct gp_cosines_kept **kept);
 

@@ -26,7 +26,7 @@
  * Weights are those of true angles at every place of every grid. Where a tolerance
  * allows it, from 5e-3 on, a node spreads to itself alone: single.c.
  *
- * What an opening diffracts goes by direction cosines: cosines.h. */
+ * Light that an opening diffracts goes by direction cosines: cosines.h. */
 #ifndef GP_GLARE_SKY_H
 #define GP_GLARE_SKY_H
 
@@ -54,8 +54,8 @@ struct gp_sky_params {
 struct gp_sky;
 
 /* Makes what frames of w x h pixels need. Written only on GP_OK; free with
- * gp_sky_free(). *out stays NULL where levels are needed and cannot serve: a model that bends
- * within the first level, pixels of over 8 degrees or 16 times as long as wide.
+ * gp_sky_free(). *out stays NULL where levels are needed and cannot serve: a model that
+ * bends within the first level, pixels of over 8 degrees or 16 times as long as wide.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sky_make(const struct gp_log *log,
                                     const struct gp_sky_params *p,
