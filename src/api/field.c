@@ -123,8 +123,8 @@ struct gp_field gp_api_field(struct glarepp_frame *f,
     return field;
 }
 
-/* Says, once a run, why true angles are not those of a frame of any but a plane; its
- * layer has no bound where its models would follow them, unless splat is to draw it. */
+/* Says, once a run, what is drawn as in a plane of a frame that is none. Its layer has no
+ * bound, but for shapes that a camera's frame has the same everywhere. */
 static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
                        const struct gp_kernel_request *r)
 {
@@ -140,26 +140,35 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
         [GP_FISHEYE] = FISHEYES,
         [GP_EQUISOLID] = FISHEYES,
     };
-    const struct gp_recipe *const recipe = f->kernel->recipe;
     const bool splat = field->projection.kind == GP_PLANE;
     const bool wide = splat ? f->p.projection == GLAREPP_LATLONG
                             : field->projection.kind != GP_PERSPECTIVE;
+    const struct gp_sky *const sky = f->kernel->k.sky;
+    bool angular = false, shapes = wide && !r->recipes;
     struct gp_angular as;
-    bool angular = false;
-    for (int i = 0; i < r->recipes; i++)
-        angular |= recipe[i].model->angular
-                       ? recipe[i].model->angular(&recipe[i], field, &as)
-                       : field->projection.kind == GP_PERSPECTIVE &&
-                             strcmp(recipe[i].model->name, "aperture") == 0;
-    f->facts.kernel.projection = "plane";
-    f->flat = angular && !splat;
-    if ((angular || wide) && gp_api_says(&f->plan->names->said, GP_SAID_PLANE))
+    for (int i = 0; i < r->recipes; i++) {
+        const struct gp_recipe *const one = &f->kernel->recipe[i];
+        const struct gp_model *const m = one->model;
+        const bool opening = field->projection.kind == GP_PERSPECTIVE &&
+                             strcmp(m->name, "aperture") == 0;
+        const bool by = m->angular ? m->angular(one, field, &as) : opening;
+        if ((sky && by && (!opening || gp_sky_cosines(sky))) ||
+            !(gp_recipe_key(one, "share", 0.0) > 0.0))
+            continue;
+        angular |= by;
+        shapes |= !by && (wide || m->angular);
+    }
+    if (!sky)
+        f->facts.kernel.projection = "plane";
+    f->flat = angular || shapes;
+    if (f->flat && gp_api_says(&f->plan->names->said, GP_SAID_PLANE))
         gp_say_at(&f->log, GP_LEVEL_WARN, splat ? "plan.projection" : "",
-                  "%s: its glare is that of a plane of %g degrees: %s",
-                  f->sink.name, f->facts.kernel.fov,
+                  "%s: %s is that of a plane of %g degrees: %s", f->sink.name,
+                  sky ? "part of its glare" : "its glare", f->facts.kernel.fov,
                   splat     ? "splat has one shape everywhere"
                   : angular ? LIMITS[field->projection.kind]
-                            : "true angles are for models of the angle alone");
+                            : "true angles are for models of the angle alone, "
+                              "without halo and needles");
 }
 
 /* Warns, once a run, of attributes that are not taken for what they say. */
@@ -529,8 +538,8 @@ gp_status gp_api_make_kernel(struct glarepp_frame *f)
     facts->grid = k->far ? k->far->split.step : 0;
     facts->left_out = fmax(k->sky ? left_out_of(f, k) : k->left_out, 0.0);
     f->flat = false;
-    if (!k->sky && (field.projection.kind != GP_PLANE ||
-                    f->plan->projection == GLAREPP_OF_FRAME))
+    if (field.projection.kind != GP_PLANE ||
+        f->plan->projection == GLAREPP_OF_FRAME)
         note_plane(f, &field, r);
     warn_of_attributes(f);
     facts->missed = use.missed;

@@ -162,9 +162,12 @@ static void explain(const struct gp_glare_request *req,
 {
     static const char *const OVER = ", the lowest there is, over %.2g";
     const struct gp_glare_params *const p = req->params;
+    // a sum of all pairs has less, in its time
+    const bool levels = strcmp(drawn_by(req, c), "levels") == 0;
     char over[64] = "", pixel[64] = "", pixel_over[64] = "";
     if (!(c->bound <= (double) p->tolerance))
-        snprintf(over, sizeof over, OVER, (double) p->tolerance);
+        snprintf(over, sizeof over, levels ? ", over %.2g" : OVER,
+                 (double) p->tolerance);
     if (c->pixel > 0.0)
         snprintf(pixel, sizeof pixel, ", %.2g in a pixel", c->pixel);
     if (pixel_is_over(p, c))

@@ -250,6 +250,22 @@ like "$status $(cat err) $(field r.json 'o["bound"]')" '0 *a plane of 175*8 degr
     'nor direction cosines'
 run -k aperture:share=0 -k eye --layer l.exr in.exr
 quiet_success 'an opening without a share'
+# what keeps one shape is said where light would go by angle, and over a sphere
+for words in '-k eye-night' '-k eye -k spencer:light=mesopic' '-e splat -k eye' \
+    '-k eye -k streak --projection latlong' '-k aperture --projection latlong' \
+    '-k star --projection fisheye'; do
+    # shellcheck disable=SC2086
+    run $words --layer l.exr --report r.json in.exr
+    like "$status $(cat err) $(field r.json 'o["bound"]')" \
+        '0 *glare is that of a plane* None' "one shape, without bound: $words"
+done
+for words in '-k star' '-k eye -k star'; do
+    # shellcheck disable=SC2086
+    run $words --layer l.exr in.exr
+    quiet_success "a camera's frame has shapes of pixels: $words"
+done
+run -k cie --fov .001 --tolerance .01 --layer l.exr in.exr
+status_is 0 'nothing of a kernel but light by angle'
 run -k aperture:pupil=500 --fov 100 --layer l.exr in.exr
 quiet_success 'a wide pupil, whose light is far finer than a pixel'
 frame lamps.exr kind=lights lights=50 seed=4 size=192x108
