@@ -442,8 +442,13 @@ static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
         // the layer by the kernel's core and its far field is auto's
         const bool whole = (kernel->grid || b->angles) && direct && !t->follows;
         technique[out->rows] = *t;
-        struct gp_bench_row *const row = gp_bench_row_add(
-            b, whole ? "direct, whole kernel" : t->name, NULL, out);
+        const bool plane = b->angles && strcmp(t->name, "fft") == 0;
+        struct gp_bench_row *const row =
+            gp_bench_row_add(b,
+                             whole   ? "direct, whole kernel"
+                             : plane ? "plane"
+                                     : t->name,
+                             NULL, out);
         gp_bench_options(t, plan->layer->tolerance, b->angles, row->options,
                          sizeof row->options);
         if (row->why[0])

@@ -248,7 +248,7 @@ static void print_table(const struct gp_bench_table *t)
         if (gl)
             printf("  splat ran on %s\n", gp_printable(gl).text);
         if (f->angles)
-            printf("  direct, fft, splat: a plane's error is in theirs\n");
+            printf("  direct, plane, splat: a plane's error is in theirs\n");
         print_choices(f);
         if (f->whole.outputs)
             print_whole(&f->whole);

@@ -67,17 +67,37 @@ MODELS = {"eye": by_angle(eye, sphere(eye)), "cie:age=70": by_angle(lambda t: ci
 
 
 
-def hexagon(p, q, mm=1.0, nm=550.0):
-    """Fraunhofer's of a hexagon, a corner to the right, by direction cosines; of radiance, so
-    that a source counts by its solid angle times cosine."""
+TURN = math.radians(20)  # an edge along rows would be drawn less well
+
+
+def hexagon(p, q, mm, nm=550.0):
+    """Fraunhofer's of a hexagon, turned counter-clockwise, by direction cosines; of radiance,
+    so that a source counts by its solid angle times cosine."""
     u, v = ((a - b) * 1e6 / nm for a, b in zip(p[:2], q[:2]))
-    turn = np.arange(7) * math.pi / 3
+    turn = np.arange(7) * math.pi / 3 - TURN
     x, y = mm / 2 * np.cos(turn), mm / 2 * np.sin(turn)
     field = sum((u * (y[i + 1] - y[i]) - v * (x[i + 1] - x[i])) *
                 np.sinc(u * (x[i + 1] - x[i]) + v * (y[i + 1] - y[i])) *
                 np.exp(-1j * math.pi * (u * (x[i] + x[i + 1]) + v * (y[i] + y[i + 1])))
                 for i in range(6)) / (2 * math.pi * (u * u + v * v))
     return abs(field) ** 2 / (3 * math.sqrt(3) / 8 * mm * mm) * (1e6 / nm) ** 2 * q[2]
+
+
+def spread(u, v, pixel, mm, nm=550.0, n=1024):
+    """The same as a pixel in the middle sees it, D of src/glare/sky/cosines.h: its transform
+    is what the hexagon has in common with itself, shifted."""
+    f = np.arange(-n, n) / n / pixel
+    shift = np.meshgrid(f[n:] * nm / 1e6, f * nm / 1e6, indexing="ij")
+    strip = np.sort([np.maximum(mm * math.sqrt(3) / 4 - abs(np.cos(a) * shift[0] +
+                                                            np.sin(a) * shift[1]) / 2, 0)
+                     for a in np.arange(1, 7, 2) * math.pi / 6 - TURN], 0)
+    area = (8 * strip[0] * strip[1] - 2 * np.maximum(strip[0] + strip[1] - strip[2], 0) ** 2) / \
+        (9 / 8 * mm * mm)
+    area -= min(area[n * 9 // 10, n], area[0, n + n * 9 // 10])
+    mean = np.sinc(f * pixel) ** 2 / n / pixel
+    area *= np.outer(mean[n:] * np.where(f[n:] > 0, 2, 1), mean)
+    a, b = 2 * np.pi * np.outer(u, f[n:]), 2 * np.pi * np.outer(v, f)
+    return (np.cos(a) @ area * np.cos(b) - np.sin(a) @ area * np.sin(b)).sum(1)
 
 
 # -- places: their direction of view, and steradians a square pixel there -----------------
@@ -223,34 +243,45 @@ def lamps(glarepp, folder):
 
 
 def apertures(glarepp, folder):
-    """Against means by as many pairs of points, and its transform against its sum."""
-    n, rng = 1500, np.random.default_rng(11)
+    """A hexagon, finer than a pixel, against its definition where it is not yet faded; and
+    against means over each pair's own pixels, by as many pairs of points."""
+    n = 15000
     root = 1.1673039782614187  # of x^5 = x + 1: Kronecker's points of four dimensions
     pair = np.mod(0.5 + np.outer(np.arange(1, n + 1), root ** -np.arange(1.0, 5)), 1) - 0.5
     points = (*pair.T[:, :, None], np.full(n, 1 / n))
     y, x = (g.ravel() for g in np.mgrid[0:H, 0:W])
-    words = (*LONE, "-k", "aperture:share=1,dust=0,scratches=0,wavelength=550,pupil=1,reach=90")
-    for fov in 30, 60, 90:
-        view, off = perspective(pixel_width(fov, H), W, H), {}
+    ways = (("sum", ()), ("transform", ("-e", "fft")), ("1e-5", ("--tolerance", "1e-5")),
+            ("plane", ("--projection", "plane")))
+    for fov, mm in (30, 1), (40, 1), (60, 0.5), (90, 0.25), (120, 0.25):
+        view, k, off = perspective(pixel_width(fov, H), W, H), pixel_width(fov, H), {}
+        words = (*LONE, "--fov", str(fov), "-k", "aperture:share=1,dust=0,scratches=0,"
+                 "wavelength=550,reach=90,rotation=20,pupil=%g" % mm)
         for place in 0.5, 0.75, 0.98:
             px, py = int(W * place), int(H * place)
             away = np.hypot(x - px, y - py)
-            pick = np.flatnonzero((away >= 4) & ((away < 12) | (rng.random(away.size) < 0.02)))
-            weight = np.where(away[pick] < 12, 1, 50)
-            want = definition(hexagon, view, (x[pick], y[pick]), (px, py), away[pick],
-                              ((0, points),))
+            pick = np.flatnonzero((away >= 4) & (away < 30))
+            (p, _), (q, solid) = view(x[pick], y[pick]), view(px, py)
+            want = np.maximum(spread(p[0] - q[0], p[1] - q[1], k, mm), 0) * q[2] * solid
+            some = pick[::10]
+            means = definition(lambda p, q: hexagon(p, q, mm), view, (x[some], y[some]),
+                               (px, py), away[some], ((0, points),))
             layer = {}
-            for name, way in (("sum", ()), ("transform", ("-e", "fft")),
-                              ("plane", ("--projection", "plane"))):
-                got, _ = glare(glarepp, folder, lamp(W, H, px, py), *words, "--fov", str(fov), *way)
-                layer[name] = got[:, :, 1].ravel()[pick] / 1e6
-                off.setdefault(name, []).append(rel_l2(layer[name], want, weight))
-            off.setdefault("both", []).append(rel_l2(layer["transform"], layer["sum"], weight))
-        yield "lamp, %d degrees, a hexagon by transform: rel_l2 over its sum" % fov, \
-            max(off["both"]), 1e-3
-        for k, place in enumerate(("in the middle", "at 3/4", "in the corner")):
-            yield "  over means of both pixels, " + place, off["sum"][k], 1e-3
-            yield "    a plane's", off["plane"][k], None
+            for name, way in ways:
+                got, facts = glare(glarepp, folder, lamp(W, H, px, py), *words, *way)
+                layer[name] = got[:, :, 1].ravel() / 1e6
+                off.setdefault(name, []).append(rel_l2(layer[name][pick], want))
+                off.setdefault(name + " means", []).append(rel_l2(layer[name][some], means))
+                if name == "transform":
+                    off.setdefault("bound", []).append(
+                        rel_l2(layer[name], layer["sum"]) / facts["bound"])
+            off.setdefault("both", []).append(rel_l2(layer["1e-5"], layer["sum"]))
+        yield "lamp, %d degrees, a hexagon, default options: rel_l2" % fov, max(off["sum"]), 1e-3
+        yield "  by transform", max(off["transform"]), 1e-3
+        yield "  --tolerance 1e-5, over the sum of all pairs", max(off["both"]), 1e-5
+        yield "  transform over sum, over its bound, all pixels", max(off["bound"]), 1
+        for i, place in enumerate(("in the middle", "at 3/4", "in the corner")):
+            yield "  over means of pixels as sharp as their own, " + place, off["sum means"][i], None
+            yield "    a plane's", off["plane means"][i], None
 
 
 def camera(stem):

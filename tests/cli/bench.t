@@ -254,7 +254,7 @@ import json, sys
 f = json.load(open("a.json"))["frames"][0]
 r = {r["name"].split(",")[0]: r for r in f["rows"]}
 chosen = {(c["by"], c["within"]): c.get("name", "") for c in f["choices"]}
-a, b = r["auto"], r["fft"]
+a, b = r["auto"], r.get("plane") or r["fft"]
 def verdict(fine, what):
     print(("ok " if fine else "not ok ") + what)
 if len(sys.argv) > 1:
