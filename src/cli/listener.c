@@ -177,12 +177,9 @@ void gp_hear(void *user, const struct glarepp_message *m)
     const char *const hint = gp_hint(parameter_of(l->s, m), m->text);
     if (gp_no_depth(l->s) && strcmp(m->parameter, "frame.coverage") == 0)
         return; // that nothing hides the lights was asked for
-    if (m->level == GLAREPP_ERROR)
-        (void) (m->bare ? gp_fail_bare : gp_fail)(
-            to, (gp_status) m->status, "%s%s%s", words.text, m->text, hint);
-    else
-        gp_say(to, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO : GP_LEVEL_WARN,
-               "%s%s%s", words.text, m->text, hint);
+    (void) gp_print(to, m->bare ? GP_LEVEL_BARE : (enum gp_level) m->level,
+                    (gp_status) m->status, "", "%s%s%s", words.text, m->text,
+                    hint);
 }
 
 // -- what it is given ---------------------------------------------------------

@@ -71,76 +71,21 @@ struct gp_printable gp_printable(const char *text)
 
 // -- messages ----------------------------------------------------------------
 
-static void send_line(const struct gp_log *log, struct gp_line line,
-                      const char *fmt, va_list args)
+gp_status(gp_print)(const struct gp_log *log, enum gp_level level,
+                    gp_status status, const char *parameter, const char *fmt,
+                    ...)
 {
-    if (!log || !log->sink ||
-        (line.level > log->level && line.level != GP_LEVEL_BARE))
-        return;
     char text[GP_LINE_BYTES];
+    const struct gp_line line = {level, status, parameter, text};
+    va_list args;
+    if (!log || !log->sink || (level > log->level && level != GP_LEVEL_BARE))
+        return status;
+    va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
     gp_make_printable(text);
-    line.text = text;
     log->sink(log->user, &line);
-}
-
-#define SEND(log, ...)                                                        \
-    do {                                                                      \
-        va_list args;                                                         \
-        va_start(args, fmt);                                                  \
-        send_line(log, (struct gp_line) {__VA_ARGS__}, fmt, args);            \
-        va_end(args);                                                         \
-    } while (0)
-
-gp_status (gp_fail)(const struct gp_log *log, gp_status status,
-                    const char *fmt, ...)
-{
-    SEND(log, GP_LEVEL_ERROR, status, "", NULL);
     return status;
-}
-
-gp_status (gp_fail_bare)(const struct gp_log *log, gp_status status,
-                         const char *fmt, ...)
-{
-    SEND(log, GP_LEVEL_BARE, status, "", NULL);
-    return status;
-}
-
-gp_status (gp_fail_at)(const struct gp_log *log, gp_status status,
-                       const char *parameter, const char *fmt, ...)
-{
-    SEND(log, GP_LEVEL_ERROR, status, parameter, NULL);
-    return status;
-}
-
-gp_status (gp_fail_bare_at)(const struct gp_log *log, gp_status status,
-                            const char *parameter, const char *fmt, ...)
-{
-    SEND(log, GP_LEVEL_BARE, status, parameter, NULL);
-    return status;
-}
-
-static const char no_memory[] = "%s: out of memory; close other programs";
-
-gp_status (gp_no_memory)(const struct gp_log *log, const char *file)
-{
-    return gp_fail(log, GP_ERR_BUG, no_memory, file);
-}
-
-gp_status (gp_no_memory_bare)(const struct gp_log *log, const char *what)
-{
-    return gp_fail_bare(log, GP_ERR_BUG, no_memory, what);
-}
-
-void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt, ...)
-{
-    SEND(log, level, GP_OK, "", NULL);
-}
-
-void gp_say_at(const struct gp_log *log, enum gp_level level,
-               const char *parameter, const char *fmt, ...)
-{
-    SEND(log, level, GP_OK, parameter, NULL);
 }
 
 const char *gp_status_text(gp_status status)

@@ -54,59 +54,54 @@ struct gp_log {
     enum gp_level level;
 };
 
-/* Prints one error line and returns `status`, so that a failure is one
- * expression: return gp_fail(log, GP_ERR_DATA, "%s: ...", path, ...);
+/* Prints a line of a log, about a parameter or "", and returns `status`. Calls go through
+ * the names below. */
+gp_status gp_print(const struct gp_log *log, enum gp_level level,
+                   gp_status status, const char *parameter, const char *fmt,
+                   ...) GP_PRINTF(5, 6);
+#ifdef __clang_analyzer__ // it cannot see that it returns its status
+#define gp_print(log, level, status, ...) \
+    ((void) (gp_print) (log, level, status, __VA_ARGS__), (status))
+#endif
+
+/* gp_fail(log, status, fmt, ...) prints one error line and returns `status`, so that a
+ * failure is one expression: return gp_fail(log, GP_ERR_DATA, "%s: ...", path, ...);
  *
  * The form is "FILE: what is wrong (what was found); what to do".
  * Never call it inside a parallel body: return a status there, and let the
  * caller that owns the loop print the line. */
-gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
-                  ...) GP_PRINTF(3, 4);
+#define gp_fail(log, status, ...) \
+    gp_print(log, GP_LEVEL_ERROR, status, "", __VA_ARGS__)
 
 /* The same for a line that names no file: GP_LEVEL_BARE. */
-gp_status gp_fail_bare(const struct gp_log *log, gp_status status,
-                       const char *fmt, ...) GP_PRINTF(3, 4);
+#define gp_fail_bare(log, status, ...) \
+    gp_print(log, GP_LEVEL_BARE, status, "", __VA_ARGS__)
 
-/* The same for what is wrong with a parameter, or what a parameter helps with.
- * The line names no option: only the caller's caller knows where the parameter
- * comes from. A word after the field tells messages apart that need other help:
- * "layer.gl.osmesa". */
-gp_status gp_fail_at(const struct gp_log *log, gp_status status,
-                     const char *parameter, const char *fmt, ...)
-    GP_PRINTF(4, 5);
+/* gp_fail_at(log, status, parameter, fmt, ...): the same for what is wrong with a
+ * parameter, or what a parameter helps with. The line names no option: only the caller's
+ * caller knows where the parameter comes from. A word after the field tells messages apart
+ * that need other help: "layer.gl.osmesa". */
+#define gp_fail_at(log, status, ...) \
+    gp_print(log, GP_LEVEL_ERROR, status, __VA_ARGS__)
 
 /* Both: about a parameter, and GP_LEVEL_BARE. */
-gp_status gp_fail_bare_at(const struct gp_log *log, gp_status status,
-                          const char *parameter, const char *fmt, ...)
-    GP_PRINTF(4, 5);
+#define gp_fail_bare_at(log, status, ...) \
+    gp_print(log, GP_LEVEL_BARE, status, __VA_ARGS__)
 
 /* The one line for a full memory: "FILE: out of memory; close other programs".
  * Returns GP_ERR_BUG. gp_no_memory_bare() is for a `what` that names no file:
  * "frame list". */
-gp_status gp_no_memory(const struct gp_log *log, const char *file);
-gp_status gp_no_memory_bare(const struct gp_log *log, const char *what);
+#define GP_NO_MEMORY "%s: out of memory; close other programs"
+#define gp_no_memory(log, file) gp_fail(log, GP_ERR_BUG, GP_NO_MEMORY, file)
+#define gp_no_memory_bare(log, what) \
+    gp_fail_bare(log, GP_ERR_BUG, GP_NO_MEMORY, what)
 
-#ifdef __clang_analyzer__ // it cannot see that they return their status
-#define gp_fail(log, status, ...)                                             \
-    ((void) (gp_fail)(log, status, __VA_ARGS__), (status))
-#define gp_fail_bare(log, status, ...)                                        \
-    ((void) (gp_fail_bare)(log, status, __VA_ARGS__), (status))
-#define gp_fail_at(log, status, parameter, ...)                               \
-    ((void) (gp_fail_at)(log, status, parameter, __VA_ARGS__), (status))
-#define gp_fail_bare_at(log, status, parameter, ...)                          \
-    ((void) (gp_fail_bare_at)(log, status, parameter, __VA_ARGS__), (status))
-#define gp_no_memory(log, file) ((void) (gp_no_memory)(log, file), GP_ERR_BUG)
-#define gp_no_memory_bare(log, what)                                          \
-    ((void) (gp_no_memory_bare)(log, what), GP_ERR_BUG)
-#endif
-
-/* Prints a warning or a note; same form, never ends the run. */
-void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
-            ...) GP_PRINTF(3, 4);
-
-/* The same about a parameter, as gp_fail_at(). */
-void gp_say_at(const struct gp_log *log, enum gp_level level,
-               const char *parameter, const char *fmt, ...) GP_PRINTF(4, 5);
+/* gp_say(log, level, fmt, ...) prints a warning or a note; same form, never ends the run.
+ * gp_say_at(log, level, parameter, fmt, ...): the same about a parameter. */
+#define gp_say(log, level, ...) \
+    ((void) gp_print(log, level, GP_OK, "", __VA_ARGS__))
+#define gp_say_at(log, level, ...) \
+    ((void) gp_print(log, level, GP_OK, __VA_ARGS__))
 
 /* The text of a status; "unknown status" for a number not in the list. */
 const char *gp_status_text(gp_status status);

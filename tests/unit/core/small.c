@@ -72,8 +72,8 @@ static void names_move_no_cursor(void **state)
         assert_string_equal(text, row[i][1]);
         assert_string_equal(gp_printable(row[i][0]).text, row[i][1]);
     }
-    gp_fail(&(struct gp_log) {kept_sink, NULL, GP_LEVEL_ERROR}, GP_ERR_IO,
-            "%s: \x9b", "\xc2\x9b");
+    const struct gp_log log = {kept_sink, NULL, GP_LEVEL_ERROR};
+    gp_fail(&log, GP_ERR_IO, "%s: \x9b", "\xc2\x9b");
     assert_string_equal(kept_line, "??: ?");
 }
 
