@@ -143,11 +143,11 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
     const bool splat = field->projection.kind == GP_PLANE;
     const bool wide = splat ? f->p.projection == GLAREPP_LATLONG
                             : field->projection.kind != GP_PERSPECTIVE;
-    const struct gp_sky *const sky = f->kernel->k.sky;
+    const struct gp_sky *const sky = f->run->kernel->k.sky;
     bool angular = false, shapes = wide && !r->recipes;
     struct gp_angular as;
     for (int i = 0; i < r->recipes; i++) {
-        const struct gp_recipe *const one = &f->kernel->recipe[i];
+        const struct gp_recipe *const one = &f->run->kernel->recipe[i];
         const struct gp_model *const m = one->model;
         const bool opening = field->projection.kind == GP_PERSPECTIVE &&
                              strcmp(m->name, "aperture") == 0;
@@ -228,11 +228,11 @@ static void field_reach(const struct glarepp_frame *f, struct gp_field *field)
 static double left_out_of(const struct glarepp_frame *f,
                           const struct gp_kernel *k)
 {
-    const struct gp_sources *const src = gp_api_bright(f);
+    const struct gp_sources *const src = gp_api_bright(f, 0);
     const float *const weight = f->image.luminance;
     // in the middle of the frame, and of what surrounds it by its mirror image
-    const double x0 = 0.5 * (f->kernel->field.seen_w - src->w);
-    const double y0 = 0.5 * (f->kernel->field.seen_h - src->h);
+    const double x0 = 0.5 * (f->run->kernel->field.seen_w - src->w);
+    const double y0 = 0.5 * (f->run->kernel->field.seen_h - src->h);
     double all = 0.0, sum = 0.0, group = 0.0, pick = 0.5;
     double x = 0.0, y = 0.0;
     for (int c = 0; c < 3; c++)
@@ -525,12 +525,12 @@ gp_status gp_api_make_kernel(struct glarepp_frame *f)
     struct gp_field field = gp_api_field(f, facts);
     field_reach(f, &field);
     facts->ms = facts->cpu_ms = 0.0;
-    GP_TRY(take_kernel(f, 0, &field, &f->kernel, &use));
-    for (int i = 0; f->more && i < f->plan->mores; i++) {
-        if (f->more[i].sources.n)
-            GP_TRY(take_kernel(f, 1 + i, &field, &f->more[i].kernel, &other));
+    for (int i = 0; i < f->plan->kernels; i++) {
+        if (i == 0 || f->run[i].sources.n)
+            GP_TRY(take_kernel(f, i, &field, &f->run[i].kernel,
+                               i ? &other : &use));
     }
-    const struct gp_kernel *const k = &f->kernel->k;
+    const struct gp_kernel *const k = gp_api_kernel(f, 0);
     facts->recipes = r->recipes;
     facts->modelled = r->recipes || r->label[0].present;
     facts->w = k->w;
@@ -546,8 +546,8 @@ gp_status gp_api_make_kernel(struct glarepp_frame *f)
     memcpy(facts->faint, k->faint, sizeof facts->faint);
     for (int i = 0; i < r->recipes; i++) {
         facts->pupil[i] =
-            gp_recipe_pupil(&f->kernel->recipe[i], &f->kernel->field);
-        facts->recipe[i] = f->kernel->text[i];
+            gp_recipe_pupil(&f->run->kernel->recipe[i], &f->run->kernel->field);
+        facts->recipe[i] = f->run->kernel->text[i];
     }
 out:
     return st;

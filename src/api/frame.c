@@ -15,8 +15,6 @@ static gp_status import_groups(struct glarepp_frame *f,
 {
     gp_status st;
     GP_TRY(gp_alloc_zero(&f->log, "light groups", (size_t) p->groups + 1,
-                         sizeof *f->converted, &f->converted));
-    GP_TRY(gp_alloc_zero(&f->log, "light groups", (size_t) p->groups + 1,
                          sizeof *f->group, &f->group));
     for (; f->groups < p->groups; f->groups++) {
         const struct glarepp_image *const from = &p->group[f->groups];
@@ -27,7 +25,7 @@ static gp_status import_groups(struct glarepp_frame *f,
                                  f->groups + 1);
         g->how = p->how ? p->how[f->groups] : (struct glarepp_group) {0, 1.0f};
         GP_TRY(gp_api_check(&f->log, "group", &g->how));
-        if (g->how.kernel > f->plan->mores)
+        if (g->how.kernel > f->plan->kernels - 1)
             return gp_api_refuse(f, "group.kernel",
                                  "the plan has no such kernel (found %d)",
                                  g->how.kernel);
@@ -48,7 +46,9 @@ int glarepp_frame(struct glarepp_plan *plan,
     gp_status st;
     *out = NULL;
     GP_TRY(gp_api_params(&plan->log, "frame", &p, sizeof p, from));
-    GP_TRY(gp_alloc_zero(&plan->log, "frame", 1, sizeof *f, &f));
+    GP_TRY(gp_alloc_zero(&plan->log, "frame", 1,
+                         sizeof *f + (size_t) plan->kernels * sizeof *f->run,
+                         &f));
     f->plan = plan;
     f->p = p;
     f->borrowed = p.in_place;
@@ -100,6 +100,12 @@ static struct gp_plane *plane_of(struct glarepp_frame *f,
     return of;
 }
 
+/* The lit frame (0) or group in the output space. */
+static struct gp_planes *converted_of(struct glarepp_frame *f, int group)
+{
+    return group ? &f->group[group - 1].converted : &f->converted;
+}
+
 void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
 {
     for (int v = 0; v < GLAREPP_VIEWS; v++) {
@@ -112,12 +118,11 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         f->image.rgb = (struct gp_planes) {0};
     if (views & 1u << GLAREPP_SOURCES) {
         gp_sources_free(&f->sources);
-        gp_sources_free(&f->rest);
         gp_sources_free(&f->taken);
         gp_sources_free(&f->joined);
         gp_sources_free(&f->whole);
-        for (int i = 0; f->more && i < f->plan->mores; i++)
-            gp_sources_free(&f->more[i].sources);
+        for (int i = 0; i < f->plan->kernels; i++)
+            gp_sources_free(&f->run[i].sources);
     }
     if (views & 1u << GLAREPP_TRUTH)
         GP_FREE(f->exact);
@@ -125,9 +130,8 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         if (views & 1u << v && v != GLAREPP_OUTPUT)
             gp_planes_free(planes_of(f, &f->image, (enum glarepp_view) v));
     }
-    for (int i = 0; f->converted && views & 1u << GLAREPP_OUTPUT &&
-                    i <= f->groups; i++)
-        gp_planes_free(&f->converted[i]);
+    for (int i = 0; i <= f->groups && views & 1u << GLAREPP_OUTPUT; i++)
+        gp_planes_free(converted_of(f, i));
 }
 
 void glarepp_frame_end(struct glarepp_frame **frame)
@@ -146,11 +150,8 @@ void glarepp_frame_end(struct glarepp_frame **frame)
         gp_image_free(&g->image);
     }
     gp_free(f->group);
-    gp_free(f->converted);
-    gp_made_kernel_free(&f->kernel);
-    for (int i = 0; f->more && i < f->plan->mores; i++)
-        gp_made_kernel_free(&f->more[i].kernel);
-    gp_free(f->more);
+    for (int i = 0; i < f->plan->kernels; i++)
+        gp_made_kernel_free(&f->run[i].kernel);
     gp_free(f->share);
     gp_free(f->relit);
     gp_image_free(&f->image);
@@ -319,11 +320,11 @@ static gp_status convert(struct glarepp_frame *f, int group)
         group ? &f->group[group - 1].image : &f->image;
     const struct gp_planes *const from =
         f->composed ? &image->lit : &image->rgb;
-    return f->converted[group].c[0] || !from->c[0]
+    return converted_of(f, group)->c[0] || !from->c[0]
                ? GP_OK
                : gp_ocio_convert(&f->log, f->plan->ocio, image,
                                  gp_image_pixels(image), from,
-                                 &f->converted[group]);
+                                 converted_of(f, group));
 }
 
 /* Draws outlines of polygons over the picture. */
@@ -339,10 +340,10 @@ static gp_status draw_polygons(struct glarepp_frame *f)
         st = gp_planes_make(&f->log, "polygons", n, &f->polygons);
     for (int c = 0; c < 3 && !st; c++)
         memcpy(f->polygons.c[c], under->c[c], n * sizeof(float));
-    return st || !gp_api_bright(f)->n
+    return st || !gp_api_bright(f, 0)->n
                ? st
-               : gp_polygons_outline(&f->log, gp_api_bright(f),
-                                     gp_api_kernel(f), &f->plan->glare.splat,
+               : gp_polygons_outline(&f->log, gp_api_bright(f, 0),
+                                     gp_api_kernel(f, 0), &f->plan->glare.splat,
                                      &f->polygons);
 }
 
@@ -385,8 +386,9 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
     if (view == GLAREPP_OUTPUT && f->plan->converts)
         GP_TRY(convert(f, group));
     if (view == GLAREPP_OUTPUT)
-        planes = f->plan->converts ? &f->converted[group]
-                 : f->composed     ? &image->lit : &image->rgb;
+        planes = f->plan->converts ? converted_of(f, group)
+                 : f->composed     ? &image->lit
+                                   : &image->rgb;
     if (view == GLAREPP_SOURCES && !planes->c[0] &&
         f->ran & 1u << GLAREPP_SENSE)
         GP_TRY(gp_sources_planes(&f->log, &f->sources, &f->sources_shown));

@@ -60,7 +60,6 @@ out:
 /* Splits the sources where groups have several kernels, or gains. */
 static gp_status split(struct glarepp_frame *f, const struct gp_sources *like)
 {
-    const int mores = f->plan->mores;
     bool gains = false, kernels = false;
     gp_status st = GP_OK;
     for (int i = 0; i < f->groups; i++) {
@@ -71,12 +70,8 @@ static gp_status split(struct glarepp_frame *f, const struct gp_sources *like)
         GP_TRY(join_groups(f, -1, true, like, &f->taken));
     if (!kernels)
         return GP_OK;
-    GP_TRY(join_groups(f, 0, false, like, &f->rest));
-    if (!f->more)
-        GP_TRY(gp_alloc_zero(&f->log, "light groups", (size_t) mores,
-                             sizeof *f->more, &f->more));
-    for (int i = 0; i < mores; i++)
-        GP_TRY(join_groups(f, 1 + i, false, like, &f->more[i].sources));
+    for (int i = 0; i < f->plan->kernels; i++)
+        GP_TRY(join_groups(f, i, false, like, &f->run[i].sources));
 out:
     return st;
 }
@@ -123,31 +118,7 @@ static struct gp_surround edges_of(const struct glarepp_frame *f,
                                  f->whole.row ? &f->whole : &f->sources, own};
 }
 
-/* A kernel, and the light that it spreads. */
-struct part {
-    const struct gp_sources *light, *own; // ... without lights
-    const struct gp_kernel *kernel;
-    struct gp_glare *engines;
-};
-
-/* Returns part i, of the plan's kernel 0 or one of groups. */
-static struct part part_of(const struct glarepp_frame *f, int i)
-{
-    struct gp_api_run *const run = i ? &f->more[i - 1] : NULL;
-    return run ? (struct part) {&run->sources, &run->sources,
-                                run->kernel ? &run->kernel->k : NULL,
-                                &f->work->more[i - 1]}
-               : (struct part) {gp_api_light(f), gp_api_bright(f),
-                                gp_api_kernel(f), &f->work->engines};
-}
-
-/* Parts that there may be. */
-static int parts_of(const struct glarepp_frame *f)
-{
-    return f->more ? 1 + f->plan->mores : 1;
-}
-
-/* Parts on their way to one layer. */
+/* Parts, each of one kernel, on their way to one layer. */
 struct sum {
     struct gp_glare_params p;
     int parts, drawn;
@@ -155,19 +126,19 @@ struct sum {
     bool negative; // one may take light away
 };
 
-/* Draws a part: the first as the frame's layer, others are added to it. */
-static gp_status draw_part(struct glarepp_frame *f, const struct part *part,
-                           struct sum *sum)
+/* Draws part i: the first as the frame's layer, others are added to it. */
+static gp_status draw_part(struct glarepp_frame *f, int i, struct sum *sum)
 {
+    const struct gp_kernel *const kernel = gp_api_kernel(f, i);
     struct glarepp_layer_facts *const facts = &f->facts.layer;
     struct glarepp_layer_facts stats = {0};
     struct gp_image apart = f->image; // (its other planes are borrowed)
     struct gp_image *const to = sum->drawn ? &apart : &f->image;
     double norm2[2] = {0}, total[3];
     apart.layer = (struct gp_planes) {0};
-    sum->p.edges = edges_of(f, part->own);
-    gp_status st = gp_glare_run(&f->log, &sum->p, part->engines, part->light,
-                                part->kernel, to, &stats);
+    sum->p.edges = edges_of(f, gp_api_bright(f, i));
+    gp_status st = gp_glare_run(&f->log, &sum->p, &f->work->engines[i],
+                                gp_api_light(f, i), kernel, to, &stats);
     if (!st && sum->drawn)
         st = gp_api_add_layer(&f->log, to, &f->image, norm2);
     else if (!st && sum->parts > 1)
@@ -176,7 +147,7 @@ static gp_status draw_part(struct glarepp_frame *f, const struct part *part,
     if (st)
         return st;
     sum->error += gp_api_error_of(stats.bound, norm2[0]);
-    sum->negative = sum->negative || part->kernel->negative;
+    sum->negative = sum->negative || kernel->negative;
     if (sum->drawn++ == 0) {
         *facts = stats;
     } else {
@@ -210,18 +181,17 @@ gp_status gp_api_layers(struct glarepp_frame *f)
 {
     struct sum sum = {.p = f->plan->glare};
     gp_status st = GP_OK;
-    for (int i = 0; i < parts_of(f); i++)
-        sum.parts += part_of(f, i).light->n > 0;
+    for (int i = 0; i < f->plan->kernels; i++)
+        sum.parts += gp_api_light(f, i)->n > 0;
     sum.p.taken = gp_api_taken(f);
     sum.p.last = f->p.last;
     sum.p.seen = f->p.noise;
     // n layers of norms |l| have sum of |l| <= sqrt(n) |sum of l|, none negative
     sum.p.tolerance /= (float) gp_max(sum.parts, 1);
     sum.p.tolerance_pixel /= (float) gp_max(sum.parts, 1);
-    for (int i = 0; i < parts_of(f); i++) {
-        const struct part part = part_of(f, i);
-        if (part.light->n > 0)
-            GP_TRY(draw_part(f, &part, &sum));
+    for (int i = 0; i < f->plan->kernels; i++) {
+        if (gp_api_light(f, i)->n > 0)
+            GP_TRY(draw_part(f, i, &sum));
     }
     if (sum.parts > 1)
         bound_sum(f, &sum);
@@ -242,25 +212,23 @@ gp_status gp_api_exact(struct glarepp_frame *f, double **out)
     gp_status st = GP_OK;
     *out = NULL;
     f->sample = (struct gp_glare_sample) {0};
-    for (int i = 0; i < parts_of(f); i++) {
-        const struct part part = part_of(f, i);
-        if (part.light->n && part.kernel->sky)
-            sources += (double) part.light->n;
+    for (int i = 0; i < f->plan->kernels; i++) {
+        if (gp_api_kernel(f, i)->sky)
+            sources += (double) gp_api_light(f, i)->n;
     }
     if (sources > 0.0) {
         GP_TRY(gp_alloc(&f->log, "exact layer", n / 3, 1, &only));
         f->sample = gp_glare_sample(&f->image, &f->image.layer, sources, only);
     }
-    for (int i = 0; i < parts_of(f); i++) {
-        const struct part part = part_of(f, i);
-        const struct gp_surround edges = edges_of(f, part.own);
+    for (int i = 0; i < f->plan->kernels; i++) {
+        const struct gp_surround edges = edges_of(f, gp_api_bright(f, i));
         double **const to = sum ? &more : &sum;
-        if (!part.light->n)
+        if (!gp_api_light(f, i)->n)
             continue;
         if (!*to)
             GP_TRY(gp_alloc(&f->log, "exact layer", n, sizeof **to, to));
-        GP_TRY(gp_glare_reference(&f->log, &edges, part.light, part.kernel,
-                                  only, *to));
+        GP_TRY(gp_glare_reference(&f->log, &edges, gp_api_light(f, i),
+                                  gp_api_kernel(f, i), only, *to));
         for (size_t k = 0; more && k < n; k++)
             sum[k] += more[k];
     }
@@ -274,14 +242,6 @@ out:
 }
 
 // -- the glare of a group -----------------------------------------------------
-
-/* The kernel of a group; NULL: none was needed. */
-static const struct gp_made_kernel *kernel_of(const struct glarepp_frame *f,
-                                              const struct gp_api_group *g)
-{
-    const int more = g->how.kernel - 1;
-    return more < 0 ? f->kernel : f->more ? f->more[more].kernel : NULL;
-}
 
 /* Adds the flare of a group's bright pixels, at the frame's level. */
 static gp_status add_flare(struct glarepp_frame *f, struct gp_api_group *g,
@@ -304,17 +264,16 @@ static gp_status add_flare(struct glarepp_frame *f, struct gp_api_group *g,
  * light. */
 static gp_status draw_group(struct glarepp_frame *f, struct gp_api_group *g)
 {
-    const int more = g->how.kernel - 1;
-    const struct gp_made_kernel *const made = kernel_of(f, g);
+    const int i = g->how.kernel;
     struct glarepp_layer_facts stats = {0};
     struct gp_glare_params glare = f->plan->glare;
     glare.gain = f->plan->compose.gain * g->how.gain;
     glare.edges = edges_of(f, &g->sources);
-    return g->sources.n && made && g->how.gain > 0.0f
-               ? gp_glare_run(&f->log, &glare,
-                              more < 0 ? &f->work->group_engines
-                                       : &f->work->more[more],
-                              &g->sources, &made->k, &g->image, &stats)
+    return g->sources.n && f->run[i].kernel && g->how.gain > 0.0f
+               ? gp_glare_run(
+                     &f->log, &glare,
+                     i ? &f->work->engines[i] : &f->work->group_engines,
+                     &g->sources, gp_api_kernel(f, i), &g->image, &stats)
                : GP_OK;
 }
 
@@ -342,13 +301,12 @@ gp_status gp_api_part_groups(struct glarepp_frame *f)
     GP_TRY(gp_api_part_find(f, GLAREPP_PART_FLARE));
     for (int i = 0; i < f->groups; i++) {
         struct gp_api_group *const g = &f->group[i];
-        const struct gp_made_kernel *const made = kernel_of(f, g);
         struct glarepp_flare_facts facts = {0};
         gp_planes_free(&g->part);
         GP_TRY(gp_planes_make(&f->log, "parts", n, &g->part));
         gp_planes_clear(&g->part, 0, n);
-        if (made)
-            GP_TRY(gp_api_part_core(f, &g->sources, &made->k, -g->how.gain));
+        GP_TRY(gp_api_part_core(f, &g->sources, gp_api_kernel(f, g->how.kernel),
+                                -g->how.gain));
         GP_TRY(draw_group(f, g));
         take_part(f, g, &f->part[0]);
         if (f->work->lights)

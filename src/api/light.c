@@ -360,7 +360,7 @@ gp_status gp_api_flare(struct glarepp_frame *f)
     suns->flare.frame = f->p.numbered ? f->p.number : 0;
     if (seen)
         GP_TRY(gp_api_dark_layer(&f->log, &f->image));
-    GP_TRY(gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image));
+    GP_TRY(gp_suns_draw(&f->log, suns, gp_api_kernel(f, 0), &f->image));
     if (!suns->flare.n)
         return st;
     facts->gain = 1.0;

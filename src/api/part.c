@@ -57,12 +57,8 @@ static gp_status keep_glare(struct glarepp_frame *f)
     for (int c = 0; c < 3; c++)
         memcpy(f->part[0].c[c], f->image.layer.c[c], n * sizeof(float));
     gp_planes_clear(&f->part[1], 0, n);
-    st = gp_api_part_core(f, gp_api_light(f), gp_api_kernel(f), 1.0f);
-    for (int i = 0; f->more && i < f->plan->mores && !st; i++) {
-        if (f->more[i].kernel)
-            st = gp_api_part_core(f, &f->more[i].sources, &f->more[i].kernel->k,
-                                  1.0f);
-    }
+    for (int i = 0; i < f->plan->kernels && !st; i++)
+        st = gp_api_part_core(f, gp_api_light(f, i), gp_api_kernel(f, i), 1.0f);
     return st;
 }
 

@@ -218,9 +218,6 @@ static gp_status take_kernels(struct glarepp_plan *plan,
 {
     gp_status st;
     gp_api_about("kernel");
-    GP_TRY(gp_alloc_zero(&plan->log, "kernels", 1 + (size_t) p->mores,
-                         sizeof *plan->kernel, &plan->kernel));
-    plan->mores = p->mores;
     plan->names = p->names ? p->names : plan;
     if (!p->kernel)
         GP_TRY((gp_status) glarepp_kernel(plan->gp, NULL, &plan->own));
@@ -253,10 +250,8 @@ static void free_work(const struct glarepp_plan *plan,
                       struct gp_api_work **work)
 {
     struct gp_api_work *const w = *work;
-    for (int i = 0; w->more && i < plan->mores; i++)
-        gp_glare_close(&w->more[i]);
-    gp_free(w->more);
-    gp_glare_close(&w->engines);
+    for (int i = 0; i < plan->kernels; i++)
+        gp_glare_close(&w->engines[i]);
     gp_glare_close(&w->group_engines);
     if (w->lights)
         gp_api_lights_end(&w->lights);
@@ -277,10 +272,9 @@ gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
     *out = w;
     if (w)
         return GP_OK;
-    GP_TRY(gp_alloc_zero(&plan->log, "plan", 1, sizeof *w, &w));
-    if (plan->mores)
-        GP_TRY(gp_alloc_zero(&plan->log, "engines", (size_t) plan->mores,
-                             sizeof *w->more, &w->more));
+    GP_TRY(gp_alloc_zero(
+        &plan->log, "plan", 1,
+        sizeof *w + (size_t) plan->kernels * sizeof *w->engines, &w));
     if (plan->lights || plan->sun.flare || plan->sun.found ||
         plan->lens_params.lens)
         GP_TRY(gp_api_lights_begin(plan, w));
@@ -354,8 +348,12 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
     gp_status st;
     *out = NULL;
     GP_TRY(gp_api_params(&gp->log, "plan", &p, sizeof p, from));
-    GP_TRY(gp_alloc_zero(&gp->log, "plan", 1, sizeof *plan, &plan));
+    const int kernels = 1 + p.mores;
+    GP_TRY(gp_alloc_zero(&gp->log, "plan", 1,
+                         sizeof *plan + (size_t) kernels * sizeof *plan->kernel,
+                         &plan));
     pthread_mutex_init(&plan->lock, NULL);
+    plan->kernels = kernels;
     plan->gp = gp;
     plan->log = gp->log;
     plan->fov = p.fov;
@@ -406,9 +404,8 @@ void glarepp_plan_end(struct glarepp_plan **handle)
         plan->work = w->next;
         free_work(plan, &w);
     }
-    for (int i = 0; plan->kernel && i <= plan->mores; i++)
+    for (int i = 0; i < plan->kernels; i++)
         gp_kernels_free(&plan->kernel[i].kept);
-    gp_free(plan->kernel);
     glarepp_kernel_end(&plan->own);
     if (plan->ocio)
         gp_ocio_close(&plan->ocio);

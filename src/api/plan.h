@@ -55,12 +55,12 @@ struct gp_api_scene {
 
 /* The state that a plan lends to a frame while it computes. */
 struct gp_api_work {
-    struct gp_glare engines, group_engines;
-    struct gp_glare *more;         // one for each of the plan's, owned
     struct gp_api_lights *lights;  // NULL: none, no flare and no scene is asked
                                    // for
     struct gp_api_scene *scene;    // NULL: none
     struct gp_api_work *next;      // that is not lent
+    struct gp_glare group_engines; // of the plan's own kernel, for groups
+    struct gp_glare engines[];     // of each kernel of the plan
 };
 
 /* Warnings that a plan gives once, as bits; those of each kernel come first. */
@@ -108,9 +108,6 @@ struct glarepp_plan {
     int texts;                     // and lists of them
     // shared by frames
     struct glarepp_kernel *own;    // where the caller gave none
-    struct gp_api_plan_kernel
-        *kernel; // the plan's, then `mores` of groups; owned
-    int mores;
     struct glarepp_plan
         *names; // whose `known` names lights; this one or another
     struct gp_lens lens;           // not focused
@@ -122,6 +119,8 @@ struct glarepp_plan {
     atomic_uint said;              // GP_SAID_*
     struct glarepp_plan_facts facts;
     const char **file;             // of facts; owned
+    int kernels;
+    struct gp_api_plan_kernel kernel[]; // the plan's own, then those of groups
 };
 
 /* Lends work to a frame; end with gp_api_give_back(). Errors: those of reading
@@ -165,15 +164,17 @@ struct gp_api_group {
     struct gp_image image;
     bool borrowed;                 // image.rgb is the caller's
     struct glarepp_group how;
-    struct gp_sources sources; // without the gain
-    struct gp_planes part;     // its glare and flare, times the gain, where
-                               // p.parts_of_groups
+    struct gp_sources sources;  // without the gain
+    struct gp_planes part;      // its glare and flare, times the gain, where
+                                // p.parts_of_groups
+    struct gp_planes converted; // lit, in the output space
 };
 
-/* Another kernel than the plan's own, and the light that it spreads. */
+/* A kernel of the plan, and the light that it spreads. */
 struct gp_api_run {
-    struct gp_sources sources;     // of groups, times their gains
-    struct gp_made_kernel *kernel; // held; NULL: no source
+    struct gp_sources sources; // of groups, times their gains; row NULL: none
+                               // are split, all are of the plan's own kernel
+    struct gp_made_kernel *kernel; // held; NULL: none was needed
 };
 
 /* A picture to look at, of a size of its own. */
@@ -199,22 +200,17 @@ struct glarepp_frame {
     struct gp_sources sources;     // of the frame, or of the groups together,
                                    // times their gains
     struct gp_sources whole;       // ... before the mask; row NULL: no mask
-    struct gp_sources rest;        // of these, those of the plan's own kernel;
-                                   // row NULL: all
     struct gp_sources taken;       // light that SCATTER takes from the frame;
                                    // row NULL: sources
-    struct gp_sources joined;      // rest and lights; empty: no lights
-    struct gp_api_run *more; // one for each of the plan's; owned; NULL: no
-                             // group has another kernel
-    double mean, white;            // luminance of the picture, and of scene
-                                   // value 1 in cd/m2, for eyes
-    struct gp_made_kernel *kernel; // held; NULL: none was needed
+    struct gp_sources joined; // those of the plan's own kernel, and lights;
+                              // empty: no lights
+    double mean, white;       // luminance of the picture, and of scene
+                              // value 1 in cd/m2, for eyes
     unsigned ran;                  // bits of steps since those before them
     bool flat; // its glare is a plane's, where models would follow true angles
     bool tinted;                   // image.layer has its colour
     bool composed;                 // image.lit was made
-    struct gp_planes *converted;   // lit, in the output space, of the frame and
-                                   // of its groups; owned
+    struct gp_planes converted;    // lit, in the output space
     struct gp_planes sources_shown, polygons, truth;
     struct gp_planes part[GP_PARTS]; // from GLAREPP_PART_VEIL on; p.parts
     double *exact;                 // the layer in double, where it is kept; owned
@@ -224,6 +220,7 @@ struct glarepp_frame {
     struct glarepp_share *share;   // facts.light
     struct glarepp_relit *relit;   // facts.relit
     struct glarepp_facts facts;
+    struct gp_api_run run[]; // of each kernel of the plan
 };
 
 /* Refuses what a caller asks of a frame, whose name the message begins with: a
@@ -231,25 +228,25 @@ struct glarepp_frame {
 #define gp_api_refuse(f, ...) \
     gp_fail_bare_at(&(f)->log, GP_ERR_USAGE, __VA_ARGS__)
 
-/* The kernel of a frame; empty where none was needed. */
+/* Kernel i of a frame, 0 the plan's own; empty where none was needed. */
 static inline const struct gp_kernel *
-gp_api_kernel(const struct glarepp_frame *f)
+gp_api_kernel(const struct glarepp_frame *f, int i)
 {
     static const struct gp_kernel none;
-    return f->kernel ? &f->kernel->k : &none;
+    return f->run[i].kernel ? &f->run[i].kernel->k : &none;
 }
 
-/* The sources of the plan's own kernel: bright pixels, without lights; and with
- * those whose share is known. */
+/* The sources of kernel i: bright pixels, without lights; and with those whose share
+ * is known. */
 static inline const struct gp_sources *
-gp_api_bright(const struct glarepp_frame *f)
+gp_api_bright(const struct glarepp_frame *f, int i)
 {
-    return f->rest.row ? &f->rest : &f->sources;
+    return i || f->run->sources.row ? &f->run[i].sources : &f->sources;
 }
 static inline const struct gp_sources *
-gp_api_light(const struct glarepp_frame *f)
+gp_api_light(const struct glarepp_frame *f, int i)
 {
-    return f->joined.n ? &f->joined : gp_api_bright(f);
+    return i == 0 && f->joined.n ? &f->joined : gp_api_bright(f, i);
 }
 
 /* The light that mix takes from the frame; NULL: none. */

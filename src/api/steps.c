@@ -34,10 +34,9 @@ static gp_status mask_sources(struct glarepp_frame *f)
     f->whole = f->sources;
     f->sources = (struct gp_sources) {0};
     GP_TRY(gp_sources_mask(&f->log, &f->whole, &f->source_mask, &f->sources));
-    GP_TRY(mask_list(f, &f->rest));
     GP_TRY(mask_list(f, &f->taken));
-    for (int i = 0; f->more && i < f->plan->mores; i++)
-        GP_TRY(mask_list(f, &f->more[i].sources));
+    for (int i = 0; i < f->plan->kernels; i++)
+        GP_TRY(mask_list(f, &f->run[i].sources));
     for (int i = 0; i < f->groups; i++)
         GP_TRY(mask_list(f, &f->group[i].sources));
 out:
@@ -53,11 +52,11 @@ static double luminance_of(const struct gp_image *image, const double sum[3])
     return y;
 }
 
-/* Returns the luminance that the plan's kernel spreads of sources. */
-static double spread_of(const struct glarepp_frame *f,
+/* Returns the luminance that a kernel of the plan spreads of sources. */
+static double spread_of(const struct glarepp_frame *f, int kernel,
                         const struct gp_sources *src)
 {
-    return gp_kernel_request_share(f->plan->kernel->request) *
+    return gp_kernel_request_share(f->plan->kernel[kernel].request) *
            luminance_of(&f->image, src->flux);
 }
 
@@ -102,7 +101,7 @@ static gp_status sense(struct glarepp_frame *f)
     if (!src->n)
         find_peak(f);
     bool adapts = false;
-    for (int k = 0; k <= f->plan->mores; k++) {
+    for (int k = 0; k < f->plan->kernels; k++) {
         const struct gp_kernel_request *const r = f->plan->kernel[k].request;
         for (int i = 0; i < r->recipes; i++)
             adapts = adapts || gp_recipe_adapts(&r->recipe[i]);
@@ -118,11 +117,8 @@ static gp_status sense(struct glarepp_frame *f)
     if (f->p.details) {
         gp_planes_sum(&f->image.rgb, gp_image_pixels(&f->image), sum, &squares);
         facts->light = luminance_of(&f->image, sum);
-        facts->bright = spread_of(f, gp_api_bright(f));
-        for (int k = 0; f->more && k < f->plan->mores; k++)
-            facts->bright +=
-                gp_kernel_request_share(f->plan->kernel[1 + k].request) *
-                luminance_of(&f->image, f->more[k].sources.flux);
+        for (int k = 0; k < f->plan->kernels; k++)
+            facts->bright += spread_of(f, k, gp_api_bright(f, k));
     }
     const struct gp_api_lights *const lights = f->work ? f->work->lights : NULL;
     if (lights && f->ran & 1u << GLAREPP_SHARES)
@@ -170,7 +166,7 @@ struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
     struct glarepp_rect all = {0};
     if (lend(f) == GP_OK)
         field = gp_api_field(f, &unused);
-    for (int i = 0; i <= f->plan->mores; i++) {
+    for (int i = 0; i < f->plan->kernels; i++) {
         const struct glarepp_rect one = reach_of(&f->plan->kernel[i], &field);
         all = (struct glarepp_rect) {
             gp_max(all.x0, one.x0),
@@ -192,21 +188,22 @@ static gp_status add_layer(struct glarepp_frame *f)
     struct gp_api_lights *const lights = f->work->lights;
     gp_status st = GP_OK;
     if (lights)
-        st = gp_suns_join(&f->log, &lights->suns, &f->image, gp_api_bright(f),
-                          &f->joined);
+        st = gp_suns_join(&f->log, &lights->suns, &f->image,
+                          gp_api_bright(f, 0), &f->joined);
     if (st)
         return st;
-    const struct gp_sources *const light = gp_api_light(f);
+    const struct gp_sources *const light = gp_api_light(f, 0);
     facts->sources = (long long) light->n;
     memcpy(facts->flux, light->flux, sizeof light->flux);
     memcpy(facts->faint, light->faint, sizeof light->faint);
-    for (int i = 0; f->more && i < f->plan->mores; i++) {
-        facts->sources += (long long) f->more[i].sources.n;
+    for (int i = 1; i < f->plan->kernels; i++) {
+        facts->sources += (long long) f->run[i].sources.n;
         for (int c = 0; c < 3; c++)
-            facts->flux[c] += f->more[i].sources.flux[c];
+            facts->flux[c] += f->run[i].sources.flux[c];
     }
     if (f->p.details)
-        facts->lamps = spread_of(f, light) - spread_of(f, gp_api_bright(f));
+        facts->lamps =
+            spread_of(f, 0, light) - spread_of(f, 0, gp_api_bright(f, 0));
     f->tinted = false;
     for (int i = 0; i < GP_PARTS; i++) // were of the layer before
         gp_planes_free(&f->part[i]);
