@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Branch-free integer arithmetic, which the compiler turns into vectors; where
- * the CPU has its own to half (F16C), that takes eights first. Same bits. */
+/* Branch-free integer arithmetic, which the compiler turns into vectors. */
 #include "core/half.h"
 
 #include "core/bytes.h"
 #include "core/cpu.h"
 
 #include <stdbool.h>
-#ifdef __x86_64__
-#include <immintrin.h>
-#endif
 
 enum {
     FLOAT_INF = 0x7f800000,
@@ -58,31 +54,10 @@ GP_CLONES void gp_half_to_float(const uint16_t *in, float *out, size_t n)
         out[i] = to_float(in[i]);
 }
 
-#ifdef __x86_64__
-/* Up to a value that to_half() may have to clamp; returns how many it did. */
-__attribute__((target("f16c"))) static size_t
-eights_to_half(const float *in, uint16_t *out, size_t n)
-{
-    const __m256 sign = _mm256_set1_ps(-0.0f), top = _mm256_set1_ps(65504);
-    size_t i = 0;
-    for (; i + 8 <= n; i += 8) {
-        const __m256 v = _mm256_loadu_ps(in + i), a = _mm256_andnot_ps(sign, v);
-        if (_mm256_movemask_ps(_mm256_cmp_ps(a, top, _CMP_GT_OQ)))
-            break;
-        _mm_storeu_si128((__m128i *) (void *) (out + i), _mm256_cvtps_ph(v, 0));
-    }
-    return i;
-}
-#endif
-
 GP_CLONES size_t gp_float_to_half(const float *in, uint16_t *out, size_t n)
 {
-    size_t clamped = 0, i = 0;
-#ifdef __x86_64__
-    if (__builtin_cpu_supports("avx2")) // all that have it have F16C
-        i = eights_to_half(in, out, n);
-#endif
-    for (; i < n; i++) {
+    size_t clamped = 0;
+    for (size_t i = 0; i < n; i++) {
         const uint32_t u = gp_bits_of(in[i]), body = u & 0x7fffffff;
         const bool over = body >= FLOAT_65520 && body < FLOAT_INF;
         out[i] = to_half(over ? gp_float_with_bits((u & 0x80000000) |
