@@ -13,7 +13,7 @@ const float gp_rec709_luminance[3] = {0.2126f, 0.7152f, 0.0722f};
 int gp_rgb_to_xyz(const float ch[8], double m[9])
 {
     // columns are the primaries' xyz; their scale S makes white's Y = 1
-    double p[9], b[3], s[3];
+    double p[9], back[9], b[3];
     for (int i = 0; i < 8; i++) {
         if (!isfinite(ch[i]))
             return 0;
@@ -28,25 +28,16 @@ int gp_rgb_to_xyz(const float ch[8], double m[9])
     b[0] = (double) ch[6] / (double) ch[7];
     b[1] = 1.0;
     b[2] = (1.0 - (double) ch[6] - (double) ch[7]) / (double) ch[7];
-    // p * s = b by Cramer's rule
-    const double c0 = p[4] * p[8] - p[5] * p[7];
-    const double c1 = p[5] * p[6] - p[3] * p[8];
-    const double c2 = p[3] * p[7] - p[4] * p[6];
-    const double det = p[0] * c0 + p[1] * c1 + p[2] * c2;
-    if (!(fabs(det) > 1e-12))
+    if (!(fabs(gp_invert3(p, back)) > 1e-12))
         return 0;
-    s[0] = (b[0] * c0 + p[1] * (p[5] * b[2] - b[1] * p[8]) +
-            p[2] * (b[1] * p[7] - p[4] * b[2])) / det;
-    s[1] = (p[0] * (b[1] * p[8] - p[5] * b[2]) + b[0] * c1 +
-            p[2] * (p[3] * b[2] - b[1] * p[6])) / det;
-    s[2] = (p[0] * (p[4] * b[2] - b[1] * p[7]) +
-            p[1] * (b[1] * p[6] - p[3] * b[2]) + b[0] * c2) / det;
-    for (int i = 0; i < 9; i++)
-        m[i] = p[i] * s[i % 3];
+    for (int i = 0; i < 9; i++) { // p * s = b
+        const double *const row = back + i % 3 * 3;
+        m[i] = p[i] * (row[0] * b[0] + row[1] * b[1] + row[2] * b[2]);
+    }
     return 1;
 }
 
-void gp_invert3(const double m[9], double out[9])
+double gp_invert3(const double m[9], double out[9])
 {
     double cofactor[9];
     for (int i = 0; i < 9; i++) {
@@ -58,6 +49,7 @@ void gp_invert3(const double m[9], double out[9])
         m[0] * cofactor[0] + m[1] * cofactor[1] + m[2] * cofactor[2];
     for (int i = 0; i < 9; i++)
         out[i] = cofactor[i % 3 * 3 + i / 3] / det;
+    return det;
 }
 
 void gp_multiply3(const double a[9], const double b[9], double out[9])
@@ -67,6 +59,18 @@ void gp_multiply3(const double a[9], const double b[9], double out[9])
         out[i] = row[0] * b[i % 3] + row[1] * b[3 + i % 3] +
                  row[2] * b[6 + i % 3];
     }
+}
+
+/* From one RGB to another, both by their matrices to a space; false: too odd. */
+static int between(const double from[9], const double to[9], double m[9])
+{
+    double back[9];
+    int usable = 1;
+    gp_invert3(to, back); // of a singular matrix it is not finite
+    gp_multiply3(back, from, m);
+    for (int i = 0; i < 9; i++)
+        usable = usable && fabs(m[i]) < 1e3;
+    return usable;
 }
 
 /* The white of RGB of these primaries, in that RGB. */
@@ -88,7 +92,7 @@ int gp_rgb_to_rgb(const float from[8], const float to[8], double m[9])
         0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685,
         1.0296,
     };
-    double xyz[9], target[9], cone_from[9], cone_to[9], back[9], wf[3], wt[3];
+    double xyz[9], target[9], cone_from[9], cone_to[9], wf[3], wt[3];
     if (!gp_rgb_to_xyz(from, xyz) || !gp_rgb_to_xyz(to, target))
         return 0;
     white_of(from, wf);
@@ -96,7 +100,6 @@ int gp_rgb_to_rgb(const float from[8], const float to[8], double m[9])
     // rows of the RGB to cone matrices, times white: its responses
     gp_multiply3(bradford, xyz, cone_from);
     gp_multiply3(bradford, target, cone_to);
-    gp_invert3(cone_to, back); // of a singular matrix it is not finite
     for (int i = 0; i < 3; i++) {
         double *f = cone_from + 3 * i;
         const double *t = cone_to + 3 * i;
@@ -107,12 +110,7 @@ int gp_rgb_to_rgb(const float from[8], const float to[8], double m[9])
         for (int c = 0; c < 3; c++)
             f[c] *= adapt;
     }
-    gp_multiply3(back, cone_from, m);
-    for (int i = 0; i < 9; i++) {
-        if (!(fabs(m[i]) < 1e3))
-            return 0;
-    }
-    return 1;
+    return between(cone_from, cone_to, m);
 }
 
 void gp_luminance_weights(const float ch[8], float weight[3])
@@ -150,30 +148,17 @@ static void spectrum_xyz(double nm, double xyz[3])
              lobe(nm, 0.681, 459.0, 26.0, 13.8);
 }
 
-/* Folds bands in towards grey until none is negative, and adds them up. */
-static void fold(int n, const double *y, double (*rgb)[3], double sum[3])
+/* Moves a colour of luminance y towards grey until no channel is negative. */
+static void fold(double y, double rgb[3])
 {
-    sum[0] = sum[1] = sum[2] = 0.0;
-    for (int i = 0; i < n; i++) {
-        const double least = fmin(fmin(rgb[i][0], rgb[i][1]), rgb[i][2]);
-        const double keep = least < 0.0 ? y[i] / (y[i] - least) : 1.0;
-        for (int c = 0; c < 3; c++) {
-            rgb[i][c] = fmax(y[i] + keep * (rgb[i][c] - y[i]), 0.0);
-            sum[c] += rgb[i][c];
-        }
-    }
+    const double least = fmin(fmin(rgb[0], rgb[1]), rgb[2]);
+    for (int c = 0; c < 3 && least < 0.0; c++)
+        rgb[c] = fmax(y + y / (y - least) * (rgb[c] - y), 0.0);
 }
 
 void gp_gamut_fold(const float luminance[3], double rgb[3])
 {
-    const double least = fmin(fmin(rgb[0], rgb[1]), rgb[2]);
-    double y = 0.0;
-    if (!(least < 0.0))
-        return;
-    for (int c = 0; c < 3; c++)
-        y += (double) luminance[c] * rgb[c];
-    for (int c = 0; c < 3; c++)
-        rgb[c] = y > 0.0 ? fmax(y + y / (y - least) * (rgb[c] - y), 0.0) : 0.0;
+    fold(fmax(gp_luminance_of(luminance, rgb), 0.0), rgb);
 }
 
 void gp_spectrum_colours(const float chromaticities[8], int n, double *nm,
@@ -205,7 +190,7 @@ void gp_spectrum_colours(const float chromaticities[8], int n, double *nm,
 int gp_spectrum_to_spectrum(const float from[8], const float to[8],
                             double m[9])
 {
-    double xyz[9], target[9], back[9];
+    double xyz[9], target[9];
     if (!gp_rgb_to_xyz(from, xyz) || !gp_rgb_to_xyz(to, target))
         return 0;
     for (int i = 0; i < 9; i += 3) {
@@ -214,13 +199,7 @@ int gp_spectrum_to_spectrum(const float from[8], const float to[8],
         for (int c = 0; c < 3; c++)
             xyz[i + c] *= scale;
     }
-    gp_invert3(target, back);
-    gp_multiply3(back, xyz, m);
-    for (int i = 0; i < 9; i++) {
-        if (!(fabs(m[i]) < 1e3))
-            return 0;
-    }
-    return 1;
+    return between(xyz, target, m);
 }
 
 void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
@@ -236,16 +215,17 @@ void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
                to_xyz[5] * rgb[i][2];
     // light that folding takes from a channel and gives to others has no
     // luminance: it is spread over all bands, which are folded again
-    for (int step = 0; step < STEPS; step++) {
-        fold(n, y, rgb, sum);
+    for (int step = 0; step <= STEPS; step++) {
+        sum[0] = sum[1] = sum[2] = 0.0;
         for (int i = 0; i < n; i++) {
+            fold(y[i], rgb[i]);
             for (int c = 0; c < 3; c++)
-                rgb[i][c] += (1.0 - sum[c]) * y[i];
+                sum[c] += rgb[i][c];
         }
-    }
-    fold(n, y, rgb, sum);
-    for (int i = 0; i < n; i++) {
-        for (int c = 0; c < 3; c++)
-            rgb[i][c] /= sum[c];
+        for (int i = 0; i < 3 * n; i++) {
+            double *const v = &rgb[i / 3][i % 3];
+            *v = step < STEPS ? *v + (1.0 - sum[i % 3]) * y[i / 3]
+                              : *v / sum[i % 3];
+        }
     }
 }

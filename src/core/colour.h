@@ -44,8 +44,9 @@ static inline double gp_luminance_of(const float weight[3], const double rgb[3])
 /* out = a * b of 3x3 matrices; out is neither. */
 void gp_multiply3(const double a[9], const double b[9], double out[9]);
 
-/* The inverse of a 3x3 matrix by cofactors; not finite when it is singular. */
-void gp_invert3(const double m[9], double out[9]);
+/* The inverse of a 3x3 matrix by cofactors; not finite when it is singular. Returns its
+ * determinant. */
+double gp_invert3(const double m[9], double out[9]);
 
 /* The sRGB transfer curve, IEC 61966-2-1:1999: linear to encoded and back,
  * both in [0,1]; values outside are clamped, NaN becomes 0. The references of

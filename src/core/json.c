@@ -218,27 +218,6 @@ gp_status gp_json_parse(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* Reads a file, at most `most` bytes, into the caller's *block. */
-static gp_status read_bytes(const struct gp_log *log, const char *path, int fd,
-                            size_t most, void **block, size_t *bytes)
-{
-    gp_status st = GP_OK;
-    size_t room = 0;
-    for (ssize_t n = 1; n != 0 && *bytes < most && !st;) {
-        if (*bytes == room) {
-            room = room ? 2 * room : 16 << 10; // most files
-            room = room < most ? room : most;
-            st = gp_resize(log, path, room, block);
-        }
-        n = st ? 0 : read(fd, (char *) *block + *bytes, room - *bytes);
-        if (n < 0 && errno != EINTR)
-            st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the file",
-                         path, strerror(errno));
-        *bytes += n > 0 ? (size_t) n : 0;
-    }
-    return st;
-}
-
 gp_status gp_open_regular(const struct gp_log *log, const char *path, int *fd,
                           uint64_t *size)
 {
@@ -269,20 +248,24 @@ gp_status gp_open_regular(const struct gp_log *log, const char *path, int *fd,
 gp_status gp_load_regular(const struct gp_log *log, const char *path,
                           size_t most, void **out, uint64_t *size)
 {
-    void *block = NULL;
-    size_t bytes = 0;
+    char *block = NULL;
     uint64_t all = 0;
     int fd = -1;
     gp_status st = gp_open_regular(log, path, &fd, &all);
     if (st)
         return st;
     const size_t wanted = all < most ? (size_t) all : most;
-    GP_TRY(read_bytes(log, path, fd, wanted + !wanted, &block, &bytes));
-    if (bytes < wanted)
-        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (it shrank meanwhile); "
-                       "check the file", path));
-    GP_TRY(gp_resize(log, path, bytes + 1, &block));
-    ((char *) block)[bytes] = '\0';
+    size_t bytes = 0;
+    GP_TRY(gp_alloc(log, path, wanted + 1, 1, &block));
+    while (bytes < wanted) {
+        const ssize_t n = read(fd, block + bytes, wanted - bytes);
+        if (n == 0 || (n < 0 && errno != EINTR))
+            GP_TRY(gp_fail(log, GP_ERR_IO,
+                           "%s: cannot read (%s); check the file", path,
+                           n ? strerror(errno) : "it shrank meanwhile"));
+        bytes += n > 0 ? (size_t) n : 0;
+    }
+    block[bytes] = '\0';
     *out = block;
     *size = all;
     block = NULL; // the caller's
