@@ -181,7 +181,7 @@ static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
             found = about.has_ndc &&
                     !gp_camera_make(NULL, NULL,
                                     about.has_camera ? about.to_camera : NULL,
-                                    about.to_ndc, (enum gp_ndc) about.ndc, out);
+                                    about.to_ndc, about.ndc, out);
         else if (suns->wide.kind ||
                  gp_suns_camera(NULL, suns, &about, &f->image, out, &found))
             found = false;

@@ -211,7 +211,7 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         .right = s->output.grow_pixels,
         .bottom = s->output.grow_pixels,
         .depth = gp_no_depth(s) ? NULL : s->input.depth,
-        .type = (enum gp_depth_type) s->sun.p.depth,
+        .type = s->sun.p.depth,
     };
     struct gp_rect window, before;
     gp_status st;

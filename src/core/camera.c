@@ -99,7 +99,7 @@ gp_status gp_camera_wide(const struct gp_log *log, const char *path,
 
 gp_status gp_camera_make(const struct gp_log *log, const char *path,
                          const double *to_camera, const double to_ndc[16],
-                         enum gp_ndc ndc, struct gp_camera *out)
+                         enum glarepp_ndc ndc, struct gp_camera *out)
 {
     gp_status st;
     struct gp_camera c = {0};
@@ -132,7 +132,7 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
                           "are linearly dependent); repair the header", path);
 
     // by the image of the view axis, and which way y goes
-    if (ndc == GP_NDC_AUTO) {
+    if (ndc == GLAREPP_NDC_AUTO) {
         const double x = gp_v3_dot(axis, x_column);
         const double y = gp_v3_dot(axis, y_column);
         const double apart = fmax(fabs(x), fabs(y));
@@ -142,10 +142,10 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
             up > 0.0
                 ? apart <= fmax(fabs(x - 0.5), fabs(y - 0.5))
                 : up == 0.0 && fmin(fabs(x), fabs(y)) < 0.02 && apart < 0.48;
-        ndc = clip ? GP_NDC_CLIP : GP_NDC_SPEC;
+        ndc = clip ? GLAREPP_NDC_CLIP : GLAREPP_NDC_SPEC;
     }
     // [-1, 1] with y up to [0, 1] with y down, before the division by w
-    for (int row = 0; ndc == GP_NDC_CLIP && row < 16; row += 4) {
+    for (int row = 0; ndc == GLAREPP_NDC_CLIP && row < 16; row += 4) {
         double *const m = c.to_ndc + row;
         m[0] = 0.5 * (m[3] + m[0]);
         m[1] = 0.5 * (m[3] - m[1]);

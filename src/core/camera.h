@@ -23,15 +23,8 @@ void gp_matrix_mul(const double a[16], const double b[16], double out[16]);
 
 // -- cameras -----------------------------------------------------------------
 
-/* Range that a worldToNDC matrix maps the picture to. */
-enum gp_ndc {
-    GP_NDC_AUTO, // found by the image of the view axis, and which way y goes
-    GP_NDC_SPEC, // [0, 1], y down (ImfStandardAttributes.h)
-    GP_NDC_CLIP, // [-1, 1], y up (Arnold, Gaffer; worldToScreen)
-};
-
 /* Row vectors, p' = p * m, m[4 * row + column], as in OpenEXR: a point is
- * (x, y, z, 1), a direction (x, y, z, 0). to_ndc is always GP_NDC_SPEC after
+ * (x, y, z, 1), a direction (x, y, z, 0). to_ndc is always GLAREPP_NDC_SPEC after
  * gp_camera_make(): (x, y) / w in [0, 1], y down; w > 0 before the camera, and
  * scaled so that w is the distance along the view axis in units of the world.
  * A camera whose pictures are of another projection has that instead of to_ndc. */
@@ -43,10 +36,11 @@ struct gp_camera {
 
 /* A camera from a frame's matrices. The view axis v is the direction in which
  * w grows fastest, the upper three of column 3; its image is the middle of the
- * picture, (1/2, 1/2) or (0, 0), give or take a lens shift. GP_NDC_AUTO takes
- * [0, 1], as the attribute is specified, where y falls along the y of to_camera, which is
- * up; the nearer of the two where it rises; and without to_camera [0, 1], but where the
- * image is at 0 in one direction, to 0.02, and within 0.48 of it in the other.
+ * picture, (1/2, 1/2) or (0, 0), give or take a lens shift. GLAREPP_NDC_SPEC is [0, 1],
+ * y down (ImfStandardAttributes.h), CLIP [-1, 1], y up (Arnold, Gaffer; worldToScreen).
+ * AUTO takes [0, 1] where y falls along the y of to_camera, which is up; the nearer of the
+ * two where it rises; and without to_camera [0, 1], but where the image is at 0 in one
+ * direction, to 0.02, and within 0.48 of it in the other.
  *   to_camera  may be NULL
  *   path       for the message
  *   out        written on GP_OK only
@@ -55,7 +49,7 @@ struct gp_camera {
  * 1e30 times the axis); a singular to_camera. */
 GP_MUST_CHECK gp_status gp_camera_make(
     const struct gp_log *log, const char *path, const double *to_camera,
-    const double to_ndc[16], enum gp_ndc ndc, struct gp_camera *out);
+    const double to_ndc[16], enum glarepp_ndc ndc, struct gp_camera *out);
 
 /* The camera of a LATLONG or fisheye. Its space is OpenEXR's, x right, y up, z along the
  * view; where that is right-handed, z is against the view. Without to_camera the world is

@@ -6,7 +6,7 @@
 #include <float.h>
 #include <math.h>
 
-struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
+struct gp_depth_range gp_depth_range_of(enum glarepp_depth type, bool reversed)
 {
     const float least = FLT_TRUE_MIN, half = GP_DEPTH_HALF;
     const float deepest = nextafterf(GP_DEPTH_HUGE, 0.0f);
@@ -17,34 +17,34 @@ struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
     const struct gp_depth_range share = {-INFINITY, nextafterf(1.0f, 0.0f),
                                          NAN};
     switch (type) {
-    case GP_DEPTH_INVERSE:
+    case GLAREPP_INVERSE:
         return inverse;
-    case GP_DEPTH_NORMALIZED:
+    case GLAREPP_NORMALIZED:
         return reversed ? turned : share;
-    case GP_DEPTH_Z:
-    case GP_DEPTH_RAY:
+    case GLAREPP_Z:
+    case GLAREPP_RAY:
         break;
     }
     return reversed ? (struct gp_depth_range) {-deepest, -least, -half}
                     : (struct gp_depth_range) {least, deepest, half};
 }
 
-double gp_surface_place(enum gp_depth_type type, bool reversed, float v)
+double gp_surface_place(enum glarepp_depth type, bool reversed, float v)
 {
     const double d = (double) v;
     switch (type) {
-    case GP_DEPTH_INVERSE:
+    case GLAREPP_INVERSE:
         return 1.0 / d;
-    case GP_DEPTH_NORMALIZED:
+    case GLAREPP_NORMALIZED:
         return fmax(reversed ? 1.0 - d : d, 0.0);
-    case GP_DEPTH_Z:
-    case GP_DEPTH_RAY:
+    case GLAREPP_Z:
+    case GLAREPP_RAY:
         break;
     }
     return reversed ? -d : d;
 }
 
-float gp_empty_depth(enum gp_depth_type type, const float *v, size_t n)
+float gp_empty_depth(enum glarepp_depth type, const float *v, size_t n)
 {
     enum { ZERO, FAR, HALF, INFINITE, NONE, KINDS };
     size_t count[KINDS] = {0}, negative = 0, one = 0;
@@ -66,9 +66,9 @@ float gp_empty_depth(enum gp_depth_type type, const float *v, size_t n)
         least = fminf(least, v[i]);
         largest = fmaxf(largest, v[i]);
     }
-    if (type == GP_DEPTH_INVERSE)
+    if (type == GLAREPP_INVERSE)
         return 0.0f;
-    if (type == GP_DEPTH_NORMALIZED)
+    if (type == GLAREPP_NORMALIZED)
         return one || !count[ZERO] ? 1.0f : 0.0f;
     int most = ZERO;
     for (int k = 1; k < KINDS; k++)

@@ -12,15 +12,10 @@
 #ifndef GP_CORE_DEPTH_H
 #define GP_CORE_DEPTH_H
 
+#include "glarepp.h"
+
 #include <stdbool.h>
 #include <stddef.h>
-
-enum gp_depth_type {
-    GP_DEPTH_Z,
-    GP_DEPTH_RAY,
-    GP_DEPTH_INVERSE,
-    GP_DEPTH_NORMALIZED,
-};
 
 /* Blender's 1e10 and 1e30 are backgrounds; no scene is this deep. */
 #define GP_DEPTH_HUGE 1e9f
@@ -33,7 +28,7 @@ struct gp_depth_range {
     float lo, hi;
     float hole; // NAN: none
 };
-struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed);
+struct gp_depth_range gp_depth_range_of(enum glarepp_depth type, bool reversed);
 
 static inline bool gp_is_surface(struct gp_depth_range s, float v)
 {
@@ -42,10 +37,10 @@ static inline bool gp_is_surface(struct gp_depth_range s, float v)
 
 /* Returns the place of a surface's sample: distance for z, ray and inverse, 0
  * near to 1 far for normalized. */
-double gp_surface_place(enum gp_depth_type type, bool reversed, float v);
+double gp_surface_place(enum glarepp_depth type, bool reversed, float v);
 
 /* Returns the empty value that most of a plane's n samples have, or, of z and
  * ray where none is empty, the farthest sample; of no samples 0. */
-float gp_empty_depth(enum gp_depth_type type, const float *v, size_t n);
+float gp_empty_depth(enum glarepp_depth type, const float *v, size_t n);
 
 #endif

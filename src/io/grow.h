@@ -11,7 +11,7 @@
 struct gp_grow_params {
     int left, top, right, bottom; // pixels beyond the union; in [0, 2^24]
     const char *depth;            // one more channel that is depth, or NULL
-    enum gp_depth_type type;      // of all that are depth
+    enum glarepp_depth type;      // of all that are depth
 };
 
 /* Returns the union of f's data and display window, extended by p's edges. An

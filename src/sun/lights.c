@@ -229,8 +229,9 @@ static void see(const struct glarepp_light *spec, const struct gp_camera *c,
 }
 
 gp_status gp_light_place_in(const struct gp_log *log, const char *path,
-    const struct glarepp_light *spec, const struct gp_camera *c,
-    enum gp_depth_type type, struct gp_rect display, struct gp_light *out)
+                            const struct glarepp_light *spec,
+                            const struct gp_camera *c, enum glarepp_depth type,
+                            struct gp_rect display, struct gp_light *out)
 {
     struct gp_light l = GP_LIGHT_DEFAULTS;
     struct gp_projected at = {.x = spec->at[0], .y = spec->at[1]};
@@ -252,13 +253,13 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
     if (c)
         see(spec, c, display, &l);
     const bool own = isnan(spec->depth) && spec->place == GLAREPP_WORLD;
-    if (own && type == GP_DEPTH_NORMALIZED)
+    if (own && type == GLAREPP_NORMALIZED)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: in normalized depth a light needs a \"depth\" "
                        "(found \"world\" without one); give it, 0 near to 1 "
                        "far", path);
     if (own) { // its distance, counted as the frame's depth channel counts
-        l.depth = type == GP_DEPTH_RAY ? at.ray : at.z;
+        l.depth = type == GLAREPP_RAY ? at.ray : at.z;
         if (spec->ball > 0.0 && l.depth > 0.0)
             l.bias = fmin(l.bias + spec->ball / l.depth, 1.0);
     }
@@ -318,7 +319,8 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     for (int i = 0; !spec && i < 16; i++)
         ndc[i] = columns[i % 4 * 4 + i / 4];
     GP_TRY(gp_camera_make(p->log, frame, has_camera ? camera : NULL, ndc,
-                          spec ? GP_NDC_SPEC : GP_NDC_CLIP, &out->camera));
+                          spec ? GLAREPP_NDC_SPEC : GLAREPP_NDC_CLIP,
+                          &out->camera));
 
     out->has_sun = json_object_get(o, "sun_dir_world");
     GP_TRY(gp_json_numbers(&at, o, "sun_dir_world", 3, -MOST_VALUE, MOST_VALUE,

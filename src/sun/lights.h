@@ -87,12 +87,12 @@ GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_light_place_in(
     const struct gp_log *log, const char *path,
     const struct glarepp_light *spec, const struct gp_camera *c,
-    enum gp_depth_type type, struct gp_rect display, struct gp_light *out);
+    enum glarepp_depth type, struct gp_rect display, struct gp_light *out);
 
 /* The cameras of a sequence, and the sun, from JSON; man/glarepp.1.in has its
  * form. worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is
- * for column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
- * vectors and GP_NDC_SPEC, may replace it. All other keys are ignored. */
+ * for column vectors, rows first, GLAREPP_NDC_CLIP; worldToNDC_rowmajor, for row
+ * vectors and GLAREPP_NDC_SPEC, may replace it. All other keys are ignored. */
 struct gp_camera_frame {
     long long frame;
     struct gp_camera camera;

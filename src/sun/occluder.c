@@ -123,8 +123,8 @@ void gp_occluders_count(struct gp_occluders *o)
     const struct gp_depth_range fore = gp_depth_range_of(o->type, false);
     const struct gp_depth_range back = gp_depth_range_of(o->type, true);
     const int are = kinds_of(o->depth->v, n, fore, back);
-    const bool normalized = o->type == GP_DEPTH_NORMALIZED;
-    const bool axis = o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY;
+    const bool normalized = o->type == GLAREPP_NORMALIZED;
+    const bool axis = o->type == GLAREPP_Z || o->type == GLAREPP_RAY;
     if (normalized)
         o->reversed = !(are & (ONE | OVER)) && are & ZERO;
     else if (axis)

@@ -27,7 +27,7 @@
 struct gp_occluders {
     const struct gp_plane *depth, *mask; // borrowed; NULL: none
     const struct gp_deep *deep;          // the same; z in the unit of lights
-    enum gp_depth_type type;
+    enum glarepp_depth type;
     struct gp_rect frame;        // pixels that may be hidden or clear:
                                  // display and data window together, or with
                                  // GLAREPP_BY_SCENE the data window as read

@@ -128,7 +128,7 @@ gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
                          bool *found)
 {
     const struct gp_camera_frame *entry;
-    const enum gp_ndc asked = (enum gp_ndc) suns->p->ndc;
+    const enum glarepp_ndc asked = suns->p->ndc;
     gp_status st = find_entry(log, suns, about, f, &entry);
     *found = entry || about->has_ndc || suns->wide.kind;
     if (!st && suns->wide.kind)
@@ -143,8 +143,7 @@ gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
     else if (!st && about->has_ndc)
         st = gp_camera_make(log, f->path,
                             about->has_camera ? about->to_camera : NULL,
-                            about->to_ndc,
-                            asked ? asked : (enum gp_ndc) about->ndc, out);
+                            about->to_ndc, asked ? asked : about->ndc, out);
     return st;
 }
 
@@ -206,8 +205,7 @@ gp_status gp_suns_find(const struct gp_log *log,
         if (spec.place == GLAREPP_FOUND)
             continue;
         GP_TRY(gp_light_place_in(log, f->path, &spec, found ? &camera : NULL,
-                                 (enum gp_depth_type) p->depth, f->display,
-                                 &suns->light[suns->n]));
+                                 p->depth, f->display, &suns->light[suns->n]));
         suns->placed = ++suns->n;
     }
 out:
@@ -317,7 +315,7 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
         .depth = depth,
         .mask = mask,
         .deep = deep,
-        .type = (enum gp_depth_type) suns->p->depth,
+        .type = suns->p->depth,
         // a scene knows what is outside the file's pixels, and in the display
         .frame = suns->p->outside == GLAREPP_BY_SCENE
                      ? gp_image_read(f)

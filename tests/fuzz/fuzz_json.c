@@ -25,7 +25,7 @@ static void use_lights(const char *path)
         return;
     for (int i = 0; i < n; i++) {
         struct gp_light light;
-        const enum gp_depth_type type = i & 1 ? GP_DEPTH_RAY : GP_DEPTH_Z;
+        const enum glarepp_depth type = i & 1 ? GLAREPP_RAY : GLAREPP_Z;
         if (!fuzz_line(gp_light_place_in(&fuzz_log, "input", &spec[i], &camera,
                                          type, display, &light)) &&
             !(isfinite(light.x) && isfinite(light.y) && light.radius >= 0.0))

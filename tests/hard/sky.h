@@ -14,7 +14,7 @@ struct hard_sky {
     struct gp_rect data;
     float *depth, *mask;
     bool *surface;        // the truth of depth
-    enum gp_depth_type type;
+    enum glarepp_depth type;
     struct gp_plane plane[2];
 };
 
@@ -48,13 +48,12 @@ static inline float hard_depth_value(enum hard_depth kind, bool surface,
            : kind == DEPTH_1_TO_0  ? 1.0f - share : (float) d;
 }
 
-static inline enum gp_depth_type hard_type_of(enum hard_depth kind)
+static inline enum glarepp_depth hard_type_of(enum hard_depth kind)
 {
-    return kind == DEPTH_INVERSE ? GP_DEPTH_INVERSE
-           : kind == DEPTH_RAY   ? GP_DEPTH_RAY
-           : kind == DEPTH_0_TO_1 || kind == DEPTH_1_TO_0
-               ? GP_DEPTH_NORMALIZED
-               : GP_DEPTH_Z;
+    return kind == DEPTH_INVERSE                          ? GLAREPP_INVERSE
+           : kind == DEPTH_RAY                            ? GLAREPP_RAY
+           : kind == DEPTH_0_TO_1 || kind == DEPTH_1_TO_0 ? GLAREPP_NORMALIZED
+                                                          : GLAREPP_Z;
 }
 
 static inline float hard_mask_value(uint32_t h)

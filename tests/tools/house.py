@@ -42,6 +42,7 @@ LIBRARIES = [
 # Files of an unusual size, and why.
 SHORT, LONG = 80, 700
 SIZES = {  # path below src: reason
+    "core/half.c": "halves; numbers of 16 bits, there and back",
     "core/image.c": "planes; what a picture is stands in its header",
     "glare/fft/double.c": "the transform and its passes once more, in double",
     "glare/model/aperture.c": "openings of a lens and of an eye, drawn alike",

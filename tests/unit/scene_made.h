@@ -404,7 +404,7 @@ static inline struct gp_camera made_camera(struct gp_scene *s,
         ndc[4 * row + 3] = -m[4 * row + 2];
     }
     struct gp_camera c;
-    assert_ok(gp_camera_make(NULL, "made", m, ndc, GP_NDC_CLIP, &c));
+    assert_ok(gp_camera_make(NULL, "made", m, ndc, GLAREPP_NDC_CLIP, &c));
     MADE_GROW(s->camera, s->cameras);
     struct gp_scene_camera *const k = &s->camera[s->cameras];
     *k = (struct gp_scene_camera) {

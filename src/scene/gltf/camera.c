@@ -67,7 +67,7 @@ gp_status gp_scene_camera_make(const struct gp_log *log,
         ndc[4 * i + 3] = w;
     }
     ndc[14] -= 1.0; // depth, (w - 1) / w: any that is no multiple of w
-    return gp_camera_make(log, s->path, m, ndc, GP_NDC_SPEC, out);
+    return gp_camera_make(log, s->path, m, ndc, GLAREPP_NDC_SPEC, out);
 }
 
 /* Returns the length of the diagonal of a box round all objects and lights of

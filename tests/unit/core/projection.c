@@ -163,7 +163,7 @@ static void cameras_have_projections(void **state)
     const struct gp_rect display = {10, -20, 110, 40};
     struct gp_camera c;
     (void) state;
-    assert_ok(gp_camera_make(NULL, NULL, NULL, to_ndc, GP_NDC_SPEC, &c));
+    assert_ok(gp_camera_make(NULL, NULL, NULL, to_ndc, GLAREPP_NDC_SPEC, &c));
     const struct gp_projection p = gp_camera_projection(&c, display);
     for (int i = 0; i < 20; i++) {
         const double to[3] = {0.1 * (i % 5) - 0.2, 0.15 * (i / 5) - 0.2, 1.0};

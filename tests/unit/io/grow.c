@@ -11,9 +11,9 @@
 
 #include <limits.h>
 
-#define Z GP_DEPTH_Z
-#define INV GP_DEPTH_INVERSE
-#define SHARE GP_DEPTH_NORMALIZED
+#define Z GLAREPP_Z
+#define INV GLAREPP_INVERSE
+#define SHARE GLAREPP_NORMALIZED
 
 static void window_is_the_union_and_as_much_more(void **state)
 {
@@ -147,7 +147,7 @@ static void depth_is_padded_with_its_own_empty_value(void **state)
     static const struct {
         const char *name;
         enum gp_pixel_type type;
-        enum gp_depth_type kind;
+        enum glarepp_depth kind;
         float v[4], want;
     } row[] = {
         {"Z", GP_FLOAT, Z, {3, 1e10f, 5, 1e10f}, 1e10f},

@@ -50,7 +50,7 @@ static void hand_matrix(const struct hand *h, bool clip, double m[16])
 }
 
 static struct gp_camera camera_of(const struct hand *h, bool clip,
-                                  enum gp_ndc ndc)
+                                  enum glarepp_ndc ndc)
 {
     double m[16];
     struct gp_camera c;
@@ -90,7 +90,7 @@ static void places_of_a_hand_made_camera(void **state)
     for (int form = 0; form < 4; form++) {
         struct hand h = plain;
         h.scale = form & 2 ? 1e-200 : 1.0; // of a projection says nothing
-        const struct gp_camera c = camera_of(&h, form & 1, GP_NDC_AUTO);
+        const struct gp_camera c = camera_of(&h, form & 1, GLAREPP_NDC_AUTO);
         for (size_t i = 0; i < COUNT(row); i++) {
             struct gp_projected p =
                 gp_camera_project(&c, hd, row[i].at, row[i].w);
@@ -117,7 +117,7 @@ static void windows_move_and_scale(void **state)
         {5, 5, 5, 5},
     };
     static const double dir[3] = {0.2, 1, 0.3};
-    const struct gp_camera c = camera_of(&plain, false, GP_NDC_AUTO);
+    const struct gp_camera c = camera_of(&plain, false, GLAREPP_NDC_AUTO);
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_rect r = rows[i];
         struct gp_projected p = gp_camera_project(&c, r, dir, 0.0);
@@ -133,7 +133,7 @@ static void places_have_rays_and_discs_degrees(void **state)
 {
     static const double at[3] = {13.5, 26, 31};
     static const double degrees[] = {1e-3, 0.533, 20.0};
-    const struct gp_camera c = camera_of(&plain, false, GP_NDC_AUTO);
+    const struct gp_camera c = camera_of(&plain, false, GLAREPP_NDC_AUTO);
     const struct gp_v3 eye = gp_camera_eye(&c);
     const struct gp_v3 to = gp_v3_unit(
         gp_v3_sub((struct gp_v3) {at[0], at[1], at[2]}, eye));
@@ -162,8 +162,8 @@ static void depth_counts_in_camera_units(void **state)
     for (int i = 0; i < 3; i++)
         to_camera[5 * i] = 0.01; // world in cm, camera in m
     to_camera[15] = 1;
-    assert_ok(gp_camera_make(&kept_log, "a.exr", to_camera, m,
-                     GP_NDC_AUTO, &c));
+    assert_ok(
+        gp_camera_make(&kept_log, "a.exr", to_camera, m, GLAREPP_NDC_AUTO, &c));
     struct gp_projected p = gp_camera_project(&c, hd, at, 1.0);
     near_to("z", p.z, 0.04, 1e-12);
     near_to("ray", p.ray, 0.05, 1e-12);
@@ -211,14 +211,17 @@ static void conventions_are_told_apart(void **state)
         h.sy = row[i / 2].sy;
         hand_matrix(&h, clip, m);
         assert_ok(gp_camera_make(&kept_log, "a.exr", own, m,
-                                 clip ? GP_NDC_CLIP : GP_NDC_SPEC, &known));
+                                 clip ? GLAREPP_NDC_CLIP : GLAREPP_NDC_SPEC,
+                                 &known));
         struct gp_projected p = gp_camera_project(&known, hd, dir, 0.0);
         near_to("x", p.x, 1920 * (0.5 + h.sx + 1.5 * 9 / 16 * 0.1), 1e-6);
         near_to("y", p.y, 1080 * (0.5 + h.sy - 1.5 * 0.2), 1e-6);
         if (!told)
             assert_ok(gp_camera_make(&kept_log, "a.exr", own, m,
-                                     clip ? GP_NDC_SPEC : GP_NDC_CLIP, &known));
-        assert_ok(gp_camera_make(&kept_log, "a.exr", own, m, GP_NDC_AUTO, &c));
+                                     clip ? GLAREPP_NDC_SPEC : GLAREPP_NDC_CLIP,
+                                     &known));
+        assert_ok(
+            gp_camera_make(&kept_log, "a.exr", own, m, GLAREPP_NDC_AUTO, &c));
         if (memcmp(&c, &known, sizeof c) != 0)
             fail_msg("row %zu: the other convention", i / 2);
     }
@@ -248,7 +251,7 @@ static void matrices_that_are_none(void **state)
         for (int k = 0; k < 16; k++)
             m[k] = row[i].at < 0 || row[i].at == k ? row[i].to : m[k];
         gp_status st =
-            gp_camera_make(&kept_log, "a.exr", NULL, m, GP_NDC_SPEC, &c);
+            gp_camera_make(&kept_log, "a.exr", NULL, m, GLAREPP_NDC_SPEC, &c);
         if (st != (row[i].fine ? GP_OK : GP_ERR_DATA))
             fail_msg("row %zu: status %d %s", i, st, kept_line);
         if (st) {
@@ -265,7 +268,8 @@ static void matrices_that_are_none(void **state)
         for (int k = 0; k < 16; k++)
             to_camera[k] = all[i];
         assert_int_equal(gp_camera_make(&kept_log, "a.exr", to_camera, m,
-                                        GP_NDC_AUTO, &c), GP_ERR_DATA);
+                                        GLAREPP_NDC_AUTO, &c),
+                         GP_ERR_DATA);
         assert_kept("a.exr: ");
     }
 }
@@ -310,7 +314,7 @@ static void discs_cover_what_their_cones_cut(void **state)
     static const double degrees[] = {1e-3, 0.533, 5, 11};
     struct hand h = plain;
     h.sx = 0.1;
-    const struct gp_camera c = camera_of(&h, true, GP_NDC_CLIP);
+    const struct gp_camera c = camera_of(&h, true, GLAREPP_NDC_CLIP);
     for (size_t i = 0; i < COUNT(dirs); i++) {
         for (size_t k = 0; k < COUNT(degrees); k++) {
             const double want = traced_radius(&c, dirs[i], degrees[k]);
@@ -331,7 +335,7 @@ static void discs_that_are_none(void **state)
         {{1, 0.005, 0}, 1},   // its edge is beside the camera
         {{1, 1, 0}, 91},
     };
-    const struct gp_camera c = camera_of(&plain, false, GP_NDC_SPEC);
+    const struct gp_camera c = camera_of(&plain, false, GLAREPP_NDC_SPEC);
     for (size_t i = 0; i < COUNT(row); i++)
         near_to("radius", gp_camera_disc(&c, hd, row[i].dir, row[i].degrees),
                 0.0, 0.0);
@@ -525,7 +529,8 @@ static int check_lamps(const struct gp_camera *c, struct gp_rect display,
 
 /* From a frame's own header; `projection` names its matrix. */
 static struct gp_camera header_camera(const char *name, const char *projection,
-                                      enum gp_ndc form, struct gp_rect *display)
+                                      enum glarepp_ndc form,
+                                      struct gp_rect *display)
 {
     static const struct gp_read_params params = GP_READ_DEFAULTS;
     struct gp_frame f;
@@ -566,7 +571,7 @@ static void suns_and_lamps_of_the_data(void **state)
             struct gp_rect display;
             snprintf(path, sizeof path, "%s.%d.exr", names[i], number);
             const struct gp_camera header =
-                header_camera(path, "worldToNDC", GP_NDC_AUTO, &display);
+                header_camera(path, "worldToNDC", GLAREPP_NDC_AUTO, &display);
             const struct gp_camera_frame *at =
                 gp_camera_frame_find(&file, number);
             assert_non_null(at);
@@ -609,9 +614,9 @@ static void arnold_is_told_from_the_spec(void **state)
         if (access(data_path(row[i].file), R_OK) != 0)
             skip_for(NO_DATA);
         const struct gp_camera c = header_camera(row[i].file, row[i].matrix,
-                                                 GP_NDC_AUTO, &display);
-        const struct gp_camera clip = header_camera(
-            row[i].file, row[i].matrix, GP_NDC_CLIP, &display);
+                                                 GLAREPP_NDC_AUTO, &display);
+        const struct gp_camera clip = header_camera(row[i].file, row[i].matrix,
+                                                    GLAREPP_NDC_CLIP, &display);
         const double *const camera = c.to_camera;
         assert_memory_equal(c.to_ndc, clip.to_ndc, sizeof c.to_ndc);
         // points above the camera's axis are higher in the picture

@@ -254,7 +254,7 @@ static struct gp_camera camera(void)
     static const double ndc[16] = {0.5, 0, 0, 0, 0.5, 0.5, 1, 1,
                                    0,   -1, 0, 0, 0, 0, -0.1, 0};
     struct gp_camera c;
-    if (gp_camera_make(&kept_log, "a.exr", NULL, ndc, GP_NDC_AUTO, &c))
+    if (gp_camera_make(&kept_log, "a.exr", NULL, ndc, GLAREPP_NDC_AUTO, &c))
         fail_msg("%s", kept_line);
     return c;
 }
@@ -266,33 +266,92 @@ static void places_by_kind(void **state)
     static const double sun = 0.93026719998;
     static const struct {
         struct glarepp_light spec;
-        enum gp_depth_type type;
+        enum glarepp_depth type;
         double x, y, radius, depth;
         bool behind;
     } row[] = {
         {{.place = GLAREPP_PIXEL, .at = {-7, 1e6}, .radius = 3, .depth = NAN},
-         GP_DEPTH_Z, -7, 1e6, 3, INFINITY, false},
+         GLAREPP_Z,
+         -7,
+         1e6,
+         3,
+         INFINITY,
+         false},
         {{.place = GLAREPP_PIXEL, .radius = -1, .depth = 5},
-         GP_DEPTH_NORMALIZED, 0, 0, 0.5, 5, false},
-        {{.place = GLAREPP_DIRECTION, .at = {0, 2, 0}, .radius = -1,
-          .degrees = 0.533, .depth = NAN},
-         GP_DEPTH_Z, 200, 100, sun, INFINITY, false},
-        {{.place = GLAREPP_DIRECTION, .at = {0, 2, 0}, .radius = 4,
-          .degrees = 0.533, .depth = NAN},
-         GP_DEPTH_NORMALIZED, 200, 100, 4, INFINITY, false},
-        {{.place = GLAREPP_DIRECTION, .at = {0, -2, 0}, .radius = -1,
-          .degrees = 0.533, .depth = NAN},
-         GP_DEPTH_Z, 0, 0, 0, INFINITY, true},
+         GLAREPP_NORMALIZED,
+         0,
+         0,
+         0.5,
+         5,
+         false},
+        {{.place = GLAREPP_DIRECTION,
+          .at = {0, 2, 0},
+          .radius = -1,
+          .degrees = 0.533,
+          .depth = NAN},
+         GLAREPP_Z,
+         200,
+         100,
+         sun,
+         INFINITY,
+         false},
+        {{.place = GLAREPP_DIRECTION,
+          .at = {0, 2, 0},
+          .radius = 4,
+          .degrees = 0.533,
+          .depth = NAN},
+         GLAREPP_NORMALIZED,
+         200,
+         100,
+         4,
+         INFINITY,
+         false},
+        {{.place = GLAREPP_DIRECTION,
+          .at = {0, -2, 0},
+          .radius = -1,
+          .degrees = 0.533,
+          .depth = NAN},
+         GLAREPP_Z,
+         0,
+         0,
+         0,
+         INFINITY,
+         true},
         {{.place = GLAREPP_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
-         GP_DEPTH_Z, 350, 100, 1, 4, false},
+         GLAREPP_Z,
+         350,
+         100,
+         1,
+         4,
+         false},
         {{.place = GLAREPP_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
-         GP_DEPTH_INVERSE, 350, 100, 1, 4, false},
+         GLAREPP_INVERSE,
+         350,
+         100,
+         1,
+         4,
+         false},
         {{.place = GLAREPP_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
-         GP_DEPTH_RAY, 350, 100, 1, 5, false},
+         GLAREPP_RAY,
+         350,
+         100,
+         1,
+         5,
+         false},
         {{.place = GLAREPP_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = 0.25},
-         GP_DEPTH_NORMALIZED, 350, 100, 1, 0.25, false},
+         GLAREPP_NORMALIZED,
+         350,
+         100,
+         1,
+         0.25,
+         false},
         {{.place = GLAREPP_WORLD, .at = {3, 0, 0}, .radius = 1, .depth = NAN},
-         GP_DEPTH_Z, 0, 0, 1, 0, true},
+         GLAREPP_Z,
+         0,
+         0,
+         1,
+         0,
+         true},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {0};
@@ -344,7 +403,7 @@ static void sights_by_kind(void **state)
         struct glarepp_light spec = row[i].spec;
         spec.bias = 0.25;
         spec.depth = NAN;
-        assert_ok(gp_light_place_in(&kept_log, "a.exr", &spec, &c, GP_DEPTH_Z,
+        assert_ok(gp_light_place_in(&kept_log, "a.exr", &spec, &c, GLAREPP_Z,
                                     window, &l));
         assert_true(l.sight.known && l.sight.lamp == row[i].want.lamp);
         double off = 0.0;
@@ -359,7 +418,7 @@ static void sights_by_kind(void **state)
     // no camera: no place in the world
     struct gp_light l;
     const struct glarepp_light plain = {.at = {3, 4}, .radius = 2, .depth = NAN};
-    assert_ok(gp_light_place_in(&kept_log, "a.exr", &plain, NULL, GP_DEPTH_Z,
+    assert_ok(gp_light_place_in(&kept_log, "a.exr", &plain, NULL, GLAREPP_Z,
                                 window, &l));
     assert_false(l.sight.known);
 }
@@ -370,16 +429,22 @@ static void places_that_cannot_be(void **state)
     static const struct {
         struct glarepp_light spec;
         bool has_camera;
-        enum gp_depth_type type;
+        enum glarepp_depth type;
         gp_status st;
     } row[] = {
-        {{.place = GLAREPP_WORLD, .at = {0, 1, 0}, .depth = NAN}, false,
-         GP_DEPTH_Z, GP_ERR_USAGE},
-        {{.place = GLAREPP_DIRECTION, .at = {0, 1, 0}, .depth = 3}, false,
-         GP_DEPTH_Z, GP_ERR_USAGE},
-        {{.place = GLAREPP_WORLD, .at = {0, 1, 0}, .depth = NAN}, true,
-         GP_DEPTH_NORMALIZED, GP_ERR_DATA},
-        {{.place = GLAREPP_PIXEL, .depth = NAN}, false, GP_DEPTH_Z, GP_OK},
+        {{.place = GLAREPP_WORLD, .at = {0, 1, 0}, .depth = NAN},
+         false,
+         GLAREPP_Z,
+         GP_ERR_USAGE},
+        {{.place = GLAREPP_DIRECTION, .at = {0, 1, 0}, .depth = 3},
+         false,
+         GLAREPP_Z,
+         GP_ERR_USAGE},
+        {{.place = GLAREPP_WORLD, .at = {0, 1, 0}, .depth = NAN},
+         true,
+         GLAREPP_NORMALIZED,
+         GP_ERR_DATA},
+        {{.place = GLAREPP_PIXEL, .depth = NAN}, false, GLAREPP_Z, GP_OK},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {.x = 99};

@@ -14,7 +14,8 @@ static struct gp_plane row_of(float *v, int n)
 }
 
 static struct gp_occluders counted(const struct gp_plane *depth,
-    const struct gp_plane *mask, enum gp_depth_type type)
+                                   const struct gp_plane *mask,
+                                   enum glarepp_depth type)
 {
     struct gp_occluders o = {.depth = depth, .mask = mask, .type = type};
     o.frame = depth ? depth->window : mask ? mask->window : o.frame;
@@ -28,17 +29,17 @@ static void assert_same(double got, double want, const char *what, int i)
         fail_msg("%s, %d: %.17g, not %.17g", what, i, got, want);
 }
 
-#define Z GP_DEPTH_Z
-#define RAY GP_DEPTH_RAY
-#define INV GP_DEPTH_INVERSE
-#define NRM GP_DEPTH_NORMALIZED
+#define Z GLAREPP_Z
+#define RAY GLAREPP_RAY
+#define INV GLAREPP_INVERSE
+#define NRM GLAREPP_NORMALIZED
 #define NO INFINITY
 #define MAXF FLT_MAX
 
 /* Samples of a frame, and the place that each must have; NO: empty. */
 static const struct {
     const char *name;
-    enum gp_depth_type type;
+    enum glarepp_depth type;
     bool reversed;
     const char *empty;
     int n;
@@ -124,7 +125,7 @@ static void test_no_depth(void **state)
  * by the mask alone, and by both. */
 static const struct {
     const char *name;
-    enum gp_depth_type type;
+    enum glarepp_depth type;
     float z, m;
     double light, alone, mask, both;
     double bias;
