@@ -5,8 +5,8 @@
 
 #include "glarepp.h"
 
-#include "core/env.h"
 #include "core/image.h"
+#include "core/parallel.h"
 #include "core/status.h"
 
 /* The receiver of a log: a context's messages, of a frame or of none. */

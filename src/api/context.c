@@ -4,7 +4,6 @@
 #include "core/bridge.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 #include "glare/engine.h"
 #include "glare/model/model.h"
 #include "tone/tone.h"

@@ -29,8 +29,9 @@ static int projection_of(const struct glarepp_frame *f)
                : GLAREPP_PERSPECTIVE;
 }
 
-static const enum gp_projecting KIND[] = {GP_PLANE, GP_PERSPECTIVE, GP_LATLONG,
-                                          GP_FISHEYE, GP_EQUISOLID};
+_Static_assert((int) GP_PLANE == GLAREPP_PLANE &&
+                   (int) GP_EQUISOLID == GLAREPP_EQUISOLID,
+               "one order");
 
 /* Tests whether an option gives the angle of a picture that is not a camera's. */
 static bool is_given(const struct glarepp_frame *f)
@@ -43,7 +44,8 @@ struct gp_projection gp_api_wide(const struct glarepp_frame *f)
     const int kind = projection_of(f);
     const struct gp_field field = gp_field_of(&f->image, 180.0);
     return kind > GLAREPP_PERSPECTIVE
-               ? gp_projection_of(KIND[kind], f->image.display, field.aspect,
+               ? gp_projection_of((enum gp_projecting) kind, f->image.display,
+                                  field.aspect,
                                   is_given(f) ? f->plan->fov : 180.0)
                : (struct gp_projection) {0};
 }
@@ -75,6 +77,21 @@ gp_status gp_api_has_axis(const struct glarepp_frame *f)
                          "its flare and ghosts lie");
 }
 
+/* What is wrong with the frame's matrices, where they give the angle of view; NULL:
+ * nothing. */
+static const char *camera_fault(const struct glarepp_frame *f)
+{
+    struct gp_camera c;
+    if (!f->p.has_ndc || f->plan->fov > 0.0 || f->plan->sun.cameras)
+        return NULL;
+    if (!gp_api_find_camera(f, &c))
+        return "is of no perspective camera: its angles are not taken";
+    return c.has_camera && gp_v3_dot(gp_column(c.to_ndc, 1),
+                                     gp_column(c.to_camera, 1)) > 0.0
+               ? "has y up, as of -1 to 1, and is taken as 0 to 1 with y down"
+               : NULL;
+}
+
 /* The field of a frame: its angle of view is the plan's, else its camera's or
  * scene's, else its lens's, else the usual one. */
 struct gp_field gp_api_field(struct glarepp_frame *f,
@@ -85,6 +102,7 @@ struct gp_field gp_api_field(struct glarepp_frame *f,
                                        "fisheye", "equisolid"};
     const int kind = projection_of(f);
     double fov = gp_api_camera_fov(f);
+    struct gp_camera camera;
     facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
     if (kind > GLAREPP_PERSPECTIVE) {
         fov = is_given(f) ? f->plan->fov : 180.0;
@@ -104,9 +122,11 @@ struct gp_field gp_api_field(struct glarepp_frame *f,
     if (kind != GLAREPP_PLANE) {
         const struct gp_rect *const data = &f->image.data;
         struct gp_projection p = gp_api_wide(f);
-        if (kind == GLAREPP_PERSPECTIVE && !gp_api_camera(f, &p))
-            p = gp_projection_of(KIND[kind], f->image.display, field.aspect,
-                                 fov);
+        if (kind == GLAREPP_PERSPECTIVE)
+            p = !(f->plan->fov > 0.0) && gp_api_find_camera(f, &camera)
+                    ? gp_camera_projection(&camera, f->image.display)
+                    : gp_projection_of(GP_PERSPECTIVE, f->image.display,
+                                       field.aspect, fov);
         field.degrees = fmin(p.dy * (180.0 / M_PI), 180.0); // in its middle
         field.aspect = p.dx / p.dy;
         // the first pixel's middle
@@ -177,7 +197,7 @@ static void warn_of_attributes(const struct glarepp_frame *f)
     const int w = gp_rect_w(f->image.display), h = gp_rect_h(f->image.display);
     const int kind = projection_of(f);
     const char *const fault =
-        kind <= GLAREPP_PERSPECTIVE ? gp_api_camera_fault(f) : NULL;
+        kind <= GLAREPP_PERSPECTIVE ? camera_fault(f) : NULL;
     if (kind == GLAREPP_LATLONG && abs(w - 2 * h) > 2 &&
         gp_api_says(&f->plan->names->said, GP_SAID_SPHERE))
         gp_say(&f->log, GP_LEVEL_WARN,
@@ -341,12 +361,12 @@ static void fit_lens(const struct gp_api_stop *stop, int recipes,
     }
 }
 
-/* The frame's use of a kernel; *worst is the recipe that misses most. */
-static struct gp_kernel_use use_of(const struct glarepp_frame *f,
-                                   const struct gp_kernel_request *r,
-                                   const struct gp_made_kernel *made,
+/* The frame's use of kernel k; *worst is the recipe that misses most. */
+static struct gp_kernel_use use_of(const struct glarepp_frame *f, int k,
                                    int *worst)
 {
+    const struct gp_kernel_request *const r = f->plan->kernel[k].request;
+    const struct gp_made_kernel *const made = f->run[k].kernel;
     const double scale =
         r->recipes ? 1.0 : gp_kernel_request_scale(r, &made->field);
     struct gp_kernel_use use = {0};
@@ -391,20 +411,13 @@ static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
     return use;
 }
 
-/* Kernel i of the plan, 0 its own, as it was made for a frame. */
-struct made {
-    struct gp_api_plan_kernel *of;
-    const struct gp_made_kernel *it;
-    int i;
-};
-
-/* A warning about the words [first, last) of the kernel. */
-static void warn_of(const struct glarepp_frame *f, const struct made *m,
-                    int first, int last, const struct gp_fault *fault)
+/* A warning about the words [first, last) of kernel k, 0 the plan's own. */
+static void warn_of(const struct glarepp_frame *f, int k, int first, int last,
+                    const struct gp_fault *fault)
 {
     char parameter[64];
-    if (m->i)
-        snprintf(parameter, sizeof parameter, "plan.more %d %s", m->i - 1,
+    if (k)
+        snprintf(parameter, sizeof parameter, "plan.more %d %s", k - 1,
                  fault->parameter);
     else
         snprintf(parameter, sizeof parameter, "kernel.word %d %d %s", first,
@@ -412,20 +425,21 @@ static void warn_of(const struct glarepp_frame *f, const struct made *m,
     gp_say_at(&f->log, GP_LEVEL_WARN, parameter, "%s", fault->line);
 }
 
-/* Warns, once a plan, of each fault of a kernel that a frame shows. */
-static void warn_of_kernel(const struct glarepp_frame *f, const struct made *m,
+/* Warns, once a plan, of each fault of kernel k that a frame shows. */
+static void warn_of_kernel(const struct glarepp_frame *f, int k,
                            const struct gp_field *field,
                            const struct gp_kernel_use *use, int worst)
 {
-    const struct gp_kernel_request *const r = m->of->request;
+    struct gp_api_plan_kernel *const of = &f->plan->kernel[k];
+    const struct gp_kernel_request *const r = of->request;
     const struct glarepp_label *const l = &r->label[0];
     struct gp_fault fault;
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
         const bool one = i == GP_RULE_LEFT_OUT;
-        if (gp_kernel_fault(&m->it->figures, use, (enum gp_kernel_rule) i,
-                            &fault) &&
-            gp_api_says(&m->of->said, 1u << i))
-            warn_of(f, m, one ? worst : 0, one ? worst + 1 : GP_RECIPES,
+        if (gp_kernel_fault(&f->run[k].kernel->figures, use,
+                            (enum gp_kernel_rule) i, &fault) &&
+            gp_api_says(&of->said, 1u << i))
+            warn_of(f, k, one ? worst : 0, one ? worst + 1 : GP_RECIPES,
                     &fault);
     }
     if (r->recipes || !l->present ||
@@ -439,17 +453,16 @@ static void warn_of_kernel(const struct glarepp_frame *f, const struct made *m,
              "made for %.4g degrees a pixel, used at %.4g (%.4g%% of it would "
              "fit); make it again for this angle and size",
              made, used, 100.0 * made / field->degrees);
-    if (fabs(used / made - 1.0) > 0.01 &&
-        gp_api_says(&m->of->said, GP_SAID_ANGLE))
-        warn_of(f, m, 0, 1, &fault);
+    if (fabs(used / made - 1.0) > 0.01 && gp_api_says(&of->said, GP_SAID_ANGLE))
+        warn_of(f, k, 0, 1, &fault);
 }
 
-/* Warns, once a plan, of faults of images among several kernels. */
-static gp_status warn_of_images(const struct glarepp_frame *f,
-                                const struct made *m)
+/* Warns, once a plan, of faults of images among several that make up kernel k. */
+static gp_status warn_of_images(const struct glarepp_frame *f, int k)
 {
-    const struct gp_kernel_request *const r = m->of->request;
-    if (!r->recipes || !gp_api_says(&m->of->said, GP_SAID_IMAGES))
+    struct gp_api_plan_kernel *const of = &f->plan->kernel[k];
+    const struct gp_kernel_request *const r = of->request;
+    if (!r->recipes || !gp_api_says(&of->said, GP_SAID_IMAGES))
         return GP_OK;
     for (int i = 0; i < r->recipes; i++) {
         const struct gp_recipe *const recipe = &r->recipe[i];
@@ -459,20 +472,20 @@ static gp_status warn_of_images(const struct glarepp_frame *f,
         };
         const struct gp_kernel_use use = use_of_image(recipe);
         struct gp_kernel_figures figures;
-        struct gp_kernel k;
+        struct gp_kernel image;
         struct gp_fault fault;
         if (strcmp(recipe->model->name, "image") != 0)
             continue;
         const gp_status st =
-            gp_kernel_from_frame(&f->log, &p, recipe->image, &k);
+            gp_kernel_from_frame(&f->log, &p, recipe->image, &image);
         if (st)
             return st;
-        gp_kernel_measure(&k, recipe->image->luminance, &figures);
-        gp_kernel_free(&k);
+        gp_kernel_measure(&image, recipe->image->luminance, &figures);
+        gp_kernel_free(&image);
         for (int rule = GP_RULE_SIZE; rule <= GP_RULE_SYMMETRY; rule++) {
             if (gp_kernel_fault(&figures, &use, (enum gp_kernel_rule) rule,
                                 &fault))
-                warn_of(f, m, i, i + 1, &fault);
+                warn_of(f, k, i, i + 1, &fault);
         }
     }
     return GP_OK;
@@ -482,13 +495,13 @@ static gp_status warn_of_images(const struct glarepp_frame *f,
  * it; returns its use and the time of making it. */
 static gp_status take_kernel(struct glarepp_frame *f, int i,
                              const struct gp_field *field,
-                             struct gp_made_kernel **out,
                              struct gp_kernel_use *use)
 {
+    struct gp_made_kernel **const out = &f->run[i].kernel;
+    const struct gp_api_plan_kernel *const of = &f->plan->kernel[i];
     struct glarepp_kernel_facts *const facts = &f->facts.kernel;
     const double from = gp_now_ms(), cpu = gp_cpu_ms();
-    struct made m = {.of = &f->plan->kernel[i], .i = i};
-    const struct gp_kernel_request *const r = m.of->request;
+    const struct gp_kernel_request *const r = of->request;
     struct gp_recipe recipe[GP_RECIPES];
     struct gp_api_stop stop;
     bool made;
@@ -500,15 +513,14 @@ static gp_status take_kernel(struct glarepp_frame *f, int i,
     for (int k = 0; k < r->recipes; k++)
         gp_recipe_adapt(&recipe[k], f->mean, f->white);
     gp_made_kernel_free(out);
-    GP_TRY(gp_kernels_take(&f->log, m.of->kept, recipe, field, &made, out));
-    m.it = *out;
-    GP_TRY(warn_of_images(f, &m));
+    GP_TRY(gp_kernels_take(&f->log, of->kept, recipe, field, &made, out));
+    GP_TRY(warn_of_images(f, i));
     if (made) {
         facts->ms += gp_now_ms() - from;
         facts->cpu_ms += gp_cpu_ms() - cpu;
     }
-    *use = use_of(f, r, m.it, &worst);
-    warn_of_kernel(f, &m, field, use, worst);
+    *use = use_of(f, i, &worst);
+    warn_of_kernel(f, i, field, use, worst);
 out:
     return st;
 }
@@ -527,8 +539,7 @@ gp_status gp_api_make_kernel(struct glarepp_frame *f)
     facts->ms = facts->cpu_ms = 0.0;
     for (int i = 0; i < f->plan->kernels; i++) {
         if (i == 0 || f->run[i].sources.n)
-            GP_TRY(take_kernel(f, i, &field, &f->run[i].kernel,
-                               i ? &other : &use));
+            GP_TRY(take_kernel(f, i, &field, i ? &other : &use));
     }
     const struct gp_kernel *const k = gp_api_kernel(f, 0);
     facts->recipes = r->recipes;

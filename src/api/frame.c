@@ -165,9 +165,7 @@ const struct glarepp_facts *glarepp_frame_facts(const struct glarepp_frame *f)
 
 // -- what steps look at -----------------------------------------------------
 
-/* Finds the frame's camera, whose place is not needed; false: it has none, or one that
- * is wrong, which is said where a light needs it. */
-static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
+bool gp_api_find_camera(const struct glarepp_frame *f, struct gp_camera *out)
 {
     const struct gp_suns *const suns =
         f->work->lights ? &f->work->lights->suns : NULL;
@@ -189,35 +187,13 @@ static bool find_camera(const struct glarepp_frame *f, struct gp_camera *out)
     return found;
 }
 
-const char *gp_api_camera_fault(const struct glarepp_frame *f)
-{
-    struct gp_camera c;
-    if (!f->p.has_ndc || f->plan->fov > 0.0 || f->plan->sun.cameras)
-        return NULL;
-    if (!find_camera(f, &c))
-        return "is of no perspective camera: its angles are not taken";
-    return c.has_camera && gp_v3_dot(gp_column(c.to_ndc, 1),
-                                     gp_column(c.to_camera, 1)) > 0.0
-               ? "has y up, as of -1 to 1, and is taken as 0 to 1 with y down"
-               : NULL;
-}
-
 double gp_api_camera_fov(const struct glarepp_frame *f)
 {
     struct gp_camera c;
-    return f->plan->fov > 0.0   ? f->plan->fov
-           : find_camera(f, &c) ? gp_camera_fov(&c)
-           : f->work->lights    ? f->work->lights->suns.more_fov
-                                : 0.0;
-}
-
-bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out)
-{
-    struct gp_camera c;
-    if (f->plan->fov > 0.0 || !find_camera(f, &c))
-        return false;
-    *out = gp_camera_projection(&c, f->image.display);
-    return true;
+    return f->plan->fov > 0.0          ? f->plan->fov
+           : gp_api_find_camera(f, &c) ? gp_camera_fov(&c)
+           : f->work->lights           ? f->work->lights->suns.more_fov
+                                       : 0.0;
 }
 
 // -- views --------------------------------------------------------------------
@@ -277,7 +253,6 @@ static gp_status take_deep(struct glarepp_frame *f,
                           "%s: deep pixels need channels Z and A of floats",
                           s && s->name ? s->name : f->sink.name);
     f->deep = d;
-    f->hidden = false;
     return GP_OK;
 }
 
@@ -288,23 +263,19 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
     int planes;
     struct gp_plane *const to = plane_of(f, view, &planes);
     gp_status st = GP_OK;
-    if (view == GLAREPP_GLARE) {
+    if (view == GLAREPP_GLARE)
         GP_TRY(replace_layer(f, plane));
-        goto out;
-    }
-    if (view == GLAREPP_DEEP) {
-        st = take_deep(f, plane);
-        goto out;
-    }
-    if (!to)
+    else if (view == GLAREPP_DEEP)
+        GP_TRY(take_deep(f, plane));
+    else if (!to)
         GP_TRY(gp_api_refuse(f, "view", "this plane cannot be set (found %d)",
                              (int) view));
-    f->hidden = false;
+    f->hidden = f->hidden && view == GLAREPP_GLARE;
     for (int c = 0; c < planes; c++) {
         gp_plane_free(&to[c]);
         GP_TRY(gp_api_plane(&f->log, plane, c, &to[c]));
     }
-    if (plane->name) {
+    if (to && plane->name) {
         to->name = gp_strdup(plane->name);
         if (!to->name)
             GP_TRY(gp_no_memory_bare(&f->log, "plane"));
@@ -313,18 +284,20 @@ out:
     return gp_api_end(outer, st);
 }
 
-/* Makes the lit frame, or a group's, in the output space; else its pixels. */
-static gp_status convert(struct glarepp_frame *f, int group)
+/* Finds the lit frame, or a group's, or else its pixels, in the output space. */
+static gp_status find_output(struct glarepp_frame *f, int group,
+                             const struct gp_planes **out)
 {
-    struct gp_image *const image =
+    const struct gp_image *const image =
         group ? &f->group[group - 1].image : &f->image;
+    struct gp_planes *const to = converted_of(f, group);
     const struct gp_planes *const from =
         f->composed ? &image->lit : &image->rgb;
-    return converted_of(f, group)->c[0] || !from->c[0]
+    *out = f->plan->converts ? to : from;
+    return *out == from || to->c[0] || !from->c[0]
                ? GP_OK
                : gp_ocio_convert(&f->log, f->plan->ocio, image,
-                                 gp_image_pixels(image), from,
-                                 converted_of(f, group));
+                                 gp_image_pixels(image), from, to);
 }
 
 /* Draws outlines of polygons over the picture. */
@@ -383,12 +356,8 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
         GP_TRY(gp_api_refuse(f, "group", "no such group (found %d)", group));
     if (layer && !group)
         GP_TRY(gp_api_dark_layer(&f->log, &f->image));
-    if (view == GLAREPP_OUTPUT && f->plan->converts)
-        GP_TRY(convert(f, group));
     if (view == GLAREPP_OUTPUT)
-        planes = f->plan->converts ? converted_of(f, group)
-                 : f->composed     ? &image->lit
-                                   : &image->rgb;
+        GP_TRY(find_output(f, group, &planes));
     if (view == GLAREPP_SOURCES && !planes->c[0] &&
         f->ran & 1u << GLAREPP_SENSE)
         GP_TRY(gp_sources_planes(&f->log, &f->sources, &f->sources_shown));

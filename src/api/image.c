@@ -5,7 +5,6 @@
 #include "core/half.h"
 #include "core/luminance.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 
 #include <stdint.h>
 #include <string.h>

@@ -6,7 +6,6 @@
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 
 #include <float.h>
 #include <math.h>

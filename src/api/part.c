@@ -5,7 +5,6 @@
 #include "core/luminance.h"
 #include "core/maths.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "glare/sky/sky.h"
 
 #include <math.h>

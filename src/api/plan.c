@@ -10,8 +10,6 @@
 
 // -- parameters ---------------------------------------------------------------
 
-enum { MOST_TEXTS = 16 };
-
 /* Has the plan own a block; NULL: memory is full. */
 static gp_status own(struct glarepp_plan *plan, void *block)
 {
@@ -364,8 +362,6 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
         GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "plan.fov.wide",
                           "fov: %g degrees are more than a plane can show",
                           p.fov));
-    GP_TRY(gp_alloc_zero(&gp->log, "plan", MOST_TEXTS + 1, sizeof *plan->text,
-                         &plan->text));
     GP_TRY(take_sense(plan, p.sense));
     GP_TRY(take_layer(plan, p.layer));
     GP_TRY(take_lights(plan, p.lights));
@@ -411,7 +407,6 @@ void glarepp_plan_end(struct glarepp_plan **handle)
         gp_ocio_close(&plan->ocio);
     for (int i = 0; i < plan->texts; i++)
         free(plan->text[i]);
-    gp_free(plan->text);
     gp_free(plan->file);
     pthread_mutex_destroy(&plan->lock);
     GP_FREE(*handle);

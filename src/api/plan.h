@@ -104,7 +104,7 @@ struct glarepp_plan {
     struct glarepp_scene_params scene;      // path NULL: none
     struct glarepp_tone_params tone; // curve and exposure
     bool converts;                 // the tone's output space is given
-    char **text;                   // owned copies of the parameters' strings,
+    void *text[16];                // owned copies of the parameters' strings,
     int texts;                     // and lists of them
     // shared by frames
     struct glarepp_kernel *own;    // where the caller gave none
@@ -258,16 +258,13 @@ gp_api_taken(const struct glarepp_frame *f)
                                                : &f->sources;
 }
 
+/* Finds the frame's camera, whose place is not needed; false: it has none, or one that
+ * is wrong, which is said where a light needs it. */
+bool gp_api_find_camera(const struct glarepp_frame *f, struct gp_camera *out);
+
 /* The vertical angle of view by the plan or the frame's or scene's camera; 0:
  * by none. */
 double gp_api_camera_fov(const struct glarepp_frame *f);
-
-/* What is wrong with the frame's matrices, where they give the angle of view; NULL:
- * nothing. */
-const char *gp_api_camera_fault(const struct glarepp_frame *f);
-
-/* Finds the projection of that camera; false: the angle of view is not a camera's. */
-bool gp_api_camera(const struct glarepp_frame *f, struct gp_projection *out);
 
 /* How a frame goes on beyond its border: a whole sphere, or a fisheye whose rim is in the
  * frame, does not, and one whose rim is in its mirror image is extended. */

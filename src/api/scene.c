@@ -297,27 +297,21 @@ gp_status gp_api_pose(struct glarepp_frame *f)
 
 // -- relighting ---------------------------------------------------------------
 
-/* Checks that the planes are there that relighting needs. */
-static gp_status check_planes(const struct glarepp_frame *f)
-{
-    const struct gp_plane *const plane[] = {&f->depth, f->normal, f->albedo};
-    static const char *const name[] = {"depth", "normals", "albedo"};
-    static const char *const parameter[] = {"frame.depth", "frame.normal",
-                                            "frame.albedo"};
-    gp_status st = check_relight(f);
-    for (int i = 0; i < 3 && !st; i++) {
-        if (!plane[i]->v)
-            st = gp_api_refuse(f, parameter[i], "relighting needs %s", name[i]);
-    }
-    return st;
-}
-
 gp_status gp_api_relight(struct glarepp_frame *f)
 {
     const struct glarepp_scene_params *const p = &f->plan->scene;
     struct gp_api_scene *const own = f->work->scene;
-    gp_status st;
-    GP_TRY(check_planes(f));
+    const struct {
+        const struct gp_plane *plane;
+        const char *parameter, *name;
+    } needed[] = {{&f->depth, "frame.depth", "depth"},
+                  {f->normal, "frame.normal", "normals"},
+                  {f->albedo, "frame.albedo", "albedo"}};
+    for (int i = 0; i < 3; i++) {
+        if (!needed[i].plane->v)
+            return gp_api_refuse(f, needed[i].parameter, "relighting needs %s",
+                                 needed[i].name);
+    }
     const struct gp_relit_frame frame = {
         .path = f->sink.name, .up_unknown = !own->settled,
         .light_scale = p->light_scale,
@@ -328,9 +322,9 @@ gp_status gp_api_relight(struct glarepp_frame *f)
             .normal_of_camera = p->camera_normals,
         },
     };
-    GP_TRY(gp_relit_add(&f->log, &own->scene, &own->meshes, &frame, p->relight,
-                        p->relights, &f->relit, &f->facts.relits));
+    const gp_status st =
+        gp_relit_add(&f->log, &own->scene, &own->meshes, &frame, p->relight,
+                     p->relights, &f->relit, &f->facts.relits);
     f->facts.relit = f->relit;
-out:
     return st;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/bridge.h"
 
-#include "core/env.h"
+#include "core/parallel.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -73,8 +73,8 @@ bool gp_example_find(const char *name, char *path, size_t size)
     return find_in(place, sizeof place / sizeof *place, name, path, size);
 }
 
-const void *gp_bridge_open(const char *name, const char *entry, char *why,
-                           size_t why_size)
+const void *gp_bridge_open(const char *name, const char *entry, int version,
+                           char *why, size_t why_size)
 {
     char path[PATH_MAX];
     const void *(*function)(void) = NULL;
@@ -90,12 +90,12 @@ const void *gp_bridge_open(const char *name, const char *entry, char *why,
     void *const symbol = dlsym(library, entry);
     // ISO C has no cast from an object to a function pointer
     memcpy(&function, &symbol, sizeof function);
-    const void *const api = function ? function() : NULL;
-    if (!api) {
-        snprintf(why, why_size, "%s has another version", name);
-        dlclose(library);
-    }
-    return api;
+    const int *const api = function ? function() : NULL;
+    if (api && *api == version)
+        return api;
+    snprintf(why, why_size, "%s has another version", name);
+    dlclose(library);
+    return NULL;
 }
 
 /* Prints the line for bytes that cannot be shared, by errno. */

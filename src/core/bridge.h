@@ -23,10 +23,11 @@ bool gp_bridge_find(const char *name, char *path, size_t size);
 bool gp_example_find(const char *name, char *path, size_t size);
 
 /* Opens the shared object of that file name, never closes it, and returns the
- * table of functions that its function `entry` returns. NULL, with one line in
- * `why`, when it or one of its libraries is missing or has another version. */
-const void *gp_bridge_open(const char *name, const char *entry, char *why,
-                           size_t why_size);
+ * table of functions that its function `entry` returns, whose first member is an int, its
+ * version. NULL, with one line in `why`, when it or one of its libraries is missing or has
+ * another version. */
+const void *gp_bridge_open(const char *name, const char *entry, int version,
+                           char *why, size_t why_size);
 
 /* Memory shared with another process by its descriptor. Zero is empty. */
 struct gp_shared {

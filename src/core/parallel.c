@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel.h"
 
-#include "core/env.h"
 #include "core/memory.h"
 
 #include <limits.h>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Parallel loops whose result does not depend on the number of threads.
+/* The environment of a thread, and parallel loops whose result does not depend on the
+ * number of threads.
  *
  * Any number of threads may run loops at once; those of one environment
- * (core/env.h) share its pool, and never do more than gp_threads() threads work
+ * share its pool, and never do more than gp_threads() threads work
  * at a time. A loop inside a body runs in that thread. A child of fork() must
  * not run loops on a pool that its parent used. */
 #ifndef GP_CORE_PARALLEL_H
@@ -10,9 +11,28 @@
 
 #include "core/status.h"
 
+#include <locale.h>
+
+/* What a context of the library sets, and every function below it finds through its
+ * thread. Threads of a parallel loop have that of the loop's caller. All borrowed; zero is
+ * what a thread starts with. */
+struct gp_env {
+    struct gp_pool *pool;     // of its loops; NULL: one that the process has
+    const char *bridges;      // folder that is looked in first for bridges,
+    const char *data;         // for flares/ and lenses/; NULL: none
+    const char *osmesa, *egl; // GL library files; NULL: the system's
+    int gl_size;              // largest side of a GL texture; 0: the driver's
+    locale_t locale;          // of its calls; 0: the thread's own
+};
+
+/* Returns that of this thread. */
+const struct gp_env *gp_env(void);
+
+/* Sets it; returns the one before. Borrowed until another is set. */
+const struct gp_env *gp_env_use(const struct gp_env *env);
+
 /* Makes a pool for environments; `threads` as in gp_set_threads(). No thread
  * starts before a loop needs it. Ends all of them when it is freed. */
-struct gp_pool;
 GP_MUST_CHECK gp_status gp_pool_make(const struct gp_log *log, int threads,
                                      struct gp_pool **out);
 void gp_pool_free(struct gp_pool **pool);

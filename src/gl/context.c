@@ -2,9 +2,9 @@
 /* Contexts of OSMesa, Mesa's off-screen library, a rasterizer on the CPU that
  * needs no display, no device and no driver; and of EGL without a window, on a
  * GPU through the device platform, or on Mesa's surfaceless platform. */
-#include "core/env.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "core/parallel.h"
 #include "gl/gl_priv.h"
 
 #include <EGL/egl.h>

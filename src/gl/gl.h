@@ -3,7 +3,7 @@
  *
  * A context belongs to the thread that opened it. Several may live at once;
  * gp_gl_use() selects the one for the calls that follow.
- * Files and the largest size are those of gp_env() (core/env.h). */
+ * Files and the largest size are those of gp_env(). */
 #ifndef GP_GL_GL_H
 #define GP_GL_GL_H
 

@@ -143,12 +143,8 @@ gp_status gp_ocio_open(const struct gp_log *log,
     struct gp_ocio *o;
     *out = NULL;
     // stays open until the process ends, so that opening it again is cheap
-    const struct gp_ocio_api *api = gp_bridge_open(
-        "glarepp-ocio.so", "gp_ocio_api", why, sizeof why);
-    if (api && api->version != GP_OCIO_API_VERSION) {
-        snprintf(why, sizeof why, "glarepp-ocio.so has another version");
-        api = NULL;
-    }
+    const struct gp_ocio_api *const api = gp_bridge_open(
+        "glarepp-ocio.so", "gp_ocio_api", GP_OCIO_API_VERSION, why, sizeof why);
     if (!api)
         return gp_fail_at(log, GP_ERR_IO, "params.bridges", "OpenColorIO: the "
                           "bridge cannot be opened (%s)", why);

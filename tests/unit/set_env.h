@@ -4,7 +4,7 @@
 #define SET_ENV_H
 
 #include "cli/machine.h"
-#include "core/env.h"
+#include "core/parallel.h"
 
 #include <stdlib.h>
 

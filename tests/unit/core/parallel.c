@@ -2,7 +2,6 @@
 /* Parallel loops: each i once, the lowest failure, loops of several threads at
  * once, and never more threads at work than there may be. */
 #include "unit.h"
-#include "core/env.h"
 #include "core/parallel.h"
 #include "fail.h"
 

@@ -144,7 +144,8 @@ static void bridges_are_looked_for(void **state)
             set_env("GLAREPP_BRIDGES", NULL);
         for (int lost = 0; lost < 2; lost++) {
             fail_always.links = lost; // the program does not know where it is
-            assert_null(gp_bridge_open(rows[i].name, "none", why, sizeof why));
+            assert_null(
+                gp_bridge_open(rows[i].name, "none", 1, why, sizeof why));
             if (!strstr(why, rows[i].text))
                 fail_msg("row %zu: \"%s\"", i, why);
         }
