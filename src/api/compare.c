@@ -18,7 +18,6 @@ struct glarepp_compare {
 static gp_status take_image(const struct gp_log *log,
     const struct glarepp_stored *from, struct glarepp_stored *to)
 {
-    to->size = sizeof *to;
     const gp_status st = gp_api_params(log, "stored", to, sizeof *to, from);
     const struct glarepp_rect r = to->data;
     return st || (r.x1 > r.x0 && r.y1 > r.y0)

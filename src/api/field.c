@@ -209,28 +209,21 @@ static void warn_of_attributes(const struct glarepp_frame *f)
                   "%s: its worldToNDC %s", f->sink.name, fault);
 }
 
-/* Widens the field so that lights outside of the frame light all of it, up to
- * three frames: in steps, as a light that moves must not remake the kernel for
- * each frame. */
-static void reach_lights(const struct glarepp_frame *f, struct gp_field *field)
+/* Widens the field so that lights outside of the frame light all of it, up to three
+ * frames, in steps, as a light that moves must not remake the kernel for each frame; and
+ * by its mirror image. */
+static void field_reach(const struct glarepp_frame *f, struct gp_field *field)
 {
     enum { STEP = 128, MOST = 8192 }; // twice that is what all GL drivers draw
-    int offset[2], *const size[2] = {&field->w, &field->h};
-    gp_suns_offsets(&f->work->lights->suns, f->image.data, offset);
+    int offset[2] = {0}, *const size[2] = {&field->w, &field->h};
+    if (f->work->lights)
+        gp_suns_offsets(&f->work->lights->suns, f->image.data, offset);
     for (int i = 0; i < 2; i++) {
         const int most = gp_min(3 * *size[i], MOST);
         if (offset[i] >= *size[i])
             *size[i] =
                 gp_max(*size[i], gp_min(most, (offset[i] / STEP + 1) * STEP));
     }
-}
-
-/* Widens the field so that lights outside of the frame light all of it, and by its
- * mirror image. */
-static void field_reach(const struct glarepp_frame *f, struct gp_field *field)
-{
-    if (f->work->lights)
-        reach_lights(f, field);
     if (gp_api_edges(f) == GLAREPP_MIRROR) {
         const int more =
             2 * gp_mirror_reach(gp_image_w(&f->image), gp_image_h(&f->image));
@@ -438,7 +431,7 @@ static void warn_of_kernel(const struct glarepp_frame *f, int k,
         const bool one = i == GP_RULE_LEFT_OUT;
         if (gp_kernel_fault(&f->run[k].kernel->figures, use,
                             (enum gp_kernel_rule) i, &fault) &&
-            gp_api_says(&of->said, 1u << i))
+            gp_api_says(&of->said, i))
             warn_of(f, k, one ? worst : 0, one ? worst + 1 : GP_RECIPES,
                     &fault);
     }

@@ -242,22 +242,6 @@ static bool look_at(const struct gp_image *f, long long *nonfinite)
     return lit;
 }
 
-static void judge(struct gp_kernel_figures *f, const struct gp_kernel_use *use,
-                  struct glarepp_kernel_figures *out)
-{
-    int n = 0;
-    for (int i = 0; i < GP_KERNEL_RULES; i++) {
-        if (!gp_kernel_fault(f, use, (enum gp_kernel_rule) i, &faults.found[n]))
-            continue;
-        faults.line[n] = faults.found[n].line;
-        faults.parameter[n] = faults.found[n].parameter;
-        n++;
-    }
-    out->fault = faults.line;
-    out->parameter = faults.parameter;
-    out->faults = n;
-}
-
 int glarepp_kernel_check(struct glarepp *gp, const struct glarepp_image *kernel,
     const struct glarepp_kernel_use *how, struct glarepp_kernel_figures *out)
 {
@@ -302,7 +286,15 @@ int glarepp_kernel_check(struct glarepp *gp, const struct glarepp_image *kernel,
         .border = f.border, .asymmetry = f.place.asymmetry,
         .negatives = f.negatives, .nonfinite = f.nonfinite, .lit = lit,
     };
-    judge(&f, &use, out);
+    for (int i = 0; i < GP_KERNEL_RULES; i++) {
+        struct gp_fault *const fault = &faults.found[out->faults];
+        if (!gp_kernel_fault(&f, &use, (enum gp_kernel_rule) i, fault))
+            continue;
+        faults.line[out->faults] = fault->line;
+        faults.parameter[out->faults++] = fault->parameter;
+    }
+    out->fault = faults.line;
+    out->parameter = faults.parameter;
 out:
     gp_kernel_free(&k);
     gp_image_free(&image);

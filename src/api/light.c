@@ -287,12 +287,12 @@ void gp_api_warn_of_lights(struct glarepp_frame *f)
         f->sources.n
             ? (double) f->sources.brightest + (double) f->sources.threshold
             : (double) f->facts.sense.peak;
-    const bool says = !(f->plan->said & GP_SAID_HIDDEN);
+    const bool says = !(f->plan->said >> GP_SAID_HIDDEN & 1);
     for (int i = 0; i < suns->placed; i++) {
         const struct gp_light *const l = &suns->light[i];
         double own = 0.0, there;
         if (is_hidden(f, l, says)) // all of the first frame that has some
-            atomic_fetch_or(&f->plan->said, GP_SAID_HIDDEN);
+            (void) gp_api_says(&f->plan->said, GP_SAID_HIDDEN);
         for (int c = 0; c < 3; c++)
             own += (double) f->image.luminance[c] * (double) l->flux[c];
         own /= gp_suns_pixels(suns, l, &there);

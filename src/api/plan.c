@@ -153,9 +153,20 @@ static gp_status take_lens(struct glarepp_plan *plan,
                            const struct glarepp_lens_params *from)
 {
     struct glarepp_lens_params *const p = &plan->lens_params;
+    struct gp_lens lens;
+    gp_status st;
     *p = (struct glarepp_lens_params) GLAREPP_LENS_PARAMS;
-    const gp_status st = gp_api_params(&plan->log, "lens", p, sizeof *p, from);
-    return st ? st : keep(plan, &p->lens);
+    GP_TRY(gp_api_params(&plan->log, "lens", p, sizeof *p, from));
+    GP_TRY(keep(plan, &p->lens));
+    if (!p->lens)
+        return GP_OK;
+    GP_TRY(gp_lens_read(&plan->log, p->lens, &plan->lens));
+    lens = plan->lens; // (is what they ask of it possible?)
+    st = gp_lens_focus(&plan->log, &lens,
+                       p->distance > 0.0 ? 1e3 * p->distance : INFINITY,
+                       p->f_number);
+out:
+    return st;
 }
 
 static gp_status take_tone(struct glarepp_plan *plan,
@@ -225,23 +236,6 @@ static gp_status take_kernels(struct glarepp_plan *plan,
         GP_TRY(take_kernel(plan, &p->more[i]->request, &plan->kernel[1 + i]));
 out:
     return st;
-}
-
-/* Reads the lens, and checks what the parameters ask of it. */
-static gp_status open_lens(struct glarepp_plan *plan)
-{
-    const struct glarepp_lens_params *const p = &plan->lens_params;
-    gp_status st;
-    if (!p->lens)
-        return GP_OK;
-    gp_api_about("lens");
-    st = gp_lens_read(&plan->log, p->lens, &plan->lens);
-    if (st)
-        return st;
-    struct gp_lens lens = plan->lens;
-    return gp_lens_focus(&plan->log, &lens,
-                         p->distance > 0.0 ? 1e3 * p->distance : INFINITY,
-                         p->f_number);
 }
 
 static void free_work(const struct glarepp_plan *plan,
@@ -378,7 +372,6 @@ int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
     GP_TRY(take_kernels(plan, &p));
     GP_TRY(take_tone(plan, p.tone));
     GP_TRY(gp_api_lend(plan, &work)); // so that errors of it come first
-    GP_TRY(open_lens(plan));
     GP_TRY(fill_facts(plan, work));
     *out = plan;
 out:

@@ -63,19 +63,19 @@ struct gp_api_work {
     struct gp_glare engines[];     // of each kernel of the plan
 };
 
-/* Warnings that a plan gives once, as bits; those of each kernel come first. */
+/* Warnings that a plan gives once, as bits of `said`; those of each kernel come first. */
 enum {
-    GP_SAID_ANGLE = 1 << GP_KERNEL_RULES,
-    GP_SAID_IMAGES = 2 << GP_KERNEL_RULES,
-    GP_SAID_TIME = 4 << GP_KERNEL_RULES,
-    GP_SAID_CAMERA = 8 << GP_KERNEL_RULES,
-    GP_SAID_HIDDEN = 16 << GP_KERNEL_RULES,
-    GP_SAID_BRIGHT = 32 << GP_KERNEL_RULES,
-    GP_SAID_WIDE = 64 << GP_KERNEL_RULES,
-    GP_SAID_SHARE = 128 << GP_KERNEL_RULES,
-    GP_SAID_PLANE = 256 << GP_KERNEL_RULES,
-    GP_SAID_SPHERE = 512 << GP_KERNEL_RULES,
-    GP_SAID_MATRIX = 1024 << GP_KERNEL_RULES,
+    GP_SAID_ANGLE = GP_KERNEL_RULES,
+    GP_SAID_IMAGES,
+    GP_SAID_TIME,
+    GP_SAID_CAMERA,
+    GP_SAID_HIDDEN,
+    GP_SAID_BRIGHT,
+    GP_SAID_WIDE,
+    GP_SAID_SHARE,
+    GP_SAID_PLANE,
+    GP_SAID_SPHERE,
+    GP_SAID_MATRIX
 };
 
 /* A kernel of a plan. */
@@ -139,9 +139,9 @@ static inline bool gp_api_spots(const struct glarepp_plan *plan,
 }
 
 /* Returns true, once a plan, for a warning. */
-static inline bool gp_api_says(atomic_uint *said, unsigned bit)
+static inline bool gp_api_says(atomic_uint *said, int bit)
 {
-    return !(atomic_fetch_or(said, bit) & bit);
+    return !(atomic_fetch_or(said, 1u << bit) >> bit & 1);
 }
 
 /* Read the files of a plan, of light.c and scene.c. */

@@ -355,23 +355,13 @@ static bool is_asked(const struct glarepp_plan *plan, enum glarepp_step step)
                                    : true;
 }
 
-/* Tells the caller how far a frame is; fails where it shall end. */
-static gp_status tell_progress(const struct glarepp *gp, enum glarepp_step step)
-{
-    const struct glarepp_params *const p = &gp->params;
-    const char *const name = steps[step].name;
-    return p->progress &&
-                   p->progress(p->user, name, (double) step / GLAREPP_STEPS)
-               ? gp_fail(&gp->log, GP_ERR_CANCELLED, "%s: cancelled", name)
-               : GP_OK;
-}
-
 int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
 {
     const unsigned reads = BIT(RELIGHT) | BIT(SENSE) | BIT(VERIFY) | BIT(LENS) |
                            BIT(COMPOSE) |
                            (f->plan->sun.flare_gain > 0.0f ? 0u : BIT(FLARE));
     struct glarepp *const outer = gp_api_begin(f->plan->gp);
+    const struct glarepp_params *const to = &f->plan->gp->params;
     gp_status st = GP_OK;
     if (step >= GLAREPP_STEPS)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "step", "frame: no such step "
@@ -388,7 +378,10 @@ int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
     if (steps[step].adds && f->ran & 1u << step)
         GP_TRY(
             gp_api_refuse(f, "step", "%s is there already", steps[step].name));
-    GP_TRY(tell_progress(f->plan->gp, step));
+    if (to->progress &&
+        to->progress(to->user, steps[step].name, (double) step / GLAREPP_STEPS))
+        GP_TRY(gp_fail(&f->plan->log, GP_ERR_CANCELLED, "%s: cancelled",
+                       steps[step].name));
     if (!(1u << step & (BIT(TONE) | BIT(DONE) | BIT(VERIFY))))
         GP_TRY(lend(f));
     if (step == GLAREPP_LENS ||
