@@ -544,7 +544,7 @@ enum {
     GLAREPP_LATLONG,
     GLAREPP_FISHEYE,
     GLAREPP_EQUISOLID,
-    GLAREPP_OF_FRAME,
+    GLAREPP_OF_FRAME
 };
 
 /* NULL: no lights, no lens, no scene; the defaults of the others. */

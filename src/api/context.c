@@ -21,12 +21,10 @@ const char *glarepp_version(void)
 
 // -- messages -----------------------------------------------------------------
 
-/* The last error of a thread. */
-struct last {
+static _Thread_local struct {
     char parameter[64], text[GP_LINE_BYTES];
     int status;
-};
-static _Thread_local struct last last;
+} last; // error of the thread
 
 const struct glarepp_message *glarepp_error(void)
 {

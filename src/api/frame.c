@@ -51,7 +51,6 @@ int glarepp_frame(struct glarepp_plan *plan,
                          &f));
     f->plan = plan;
     f->p = p;
-    f->borrowed = p.in_place;
     f->sink = (struct gp_api_sink) {
         plan->gp, p.user, p.image.name ? p.image.name : "image"};
     f->log = gp_api_log(&f->sink);
@@ -210,7 +209,6 @@ static gp_status show_truth(struct glarepp_frame *f)
     return st;
 }
 
-/* Copies another layer over the frame's. */
 static gp_status replace_layer(struct glarepp_frame *f,
                                const struct glarepp_image *plane)
 {

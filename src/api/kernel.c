@@ -222,12 +222,10 @@ out:
 
 // -- checks -------------------------------------------------------------------
 
-/* Faults of the last check of a thread. */
-struct faults {
+static _Thread_local struct {
     struct gp_fault found[GP_KERNEL_RULES];
     const char *line[GP_KERNEL_RULES], *parameter[GP_KERNEL_RULES];
-};
-static _Thread_local struct faults faults;
+} faults; // of the thread's last check
 
 /* Counts the samples that are not finite; returns whether any is light. */
 static bool look_at(const struct gp_image *f, long long *nonfinite)

@@ -54,15 +54,17 @@ static gp_status keep_list(struct glarepp_plan *plan,
 static gp_status take_sense(struct glarepp_plan *plan,
                             const struct glarepp_sense_params *from)
 {
-    struct glarepp_sense_params p = GLAREPP_SENSE_PARAMS;
-    const gp_status st = gp_api_params(&plan->log, "sense", &p, sizeof p, from);
-    plan->sense = p;
-    return st || p.unit == GLAREPP_EV || (p.threshold >= 0.0f &&
-               (p.unit == GLAREPP_LUMINANCE || p.threshold <= 100.0f))
+    struct glarepp_sense_params *const p = &plan->sense;
+    *p = (struct glarepp_sense_params) GLAREPP_SENSE_PARAMS;
+    const gp_status st = gp_api_params(&plan->log, "sense", p, sizeof *p, from);
+    return st || p->unit == GLAREPP_EV ||
+                   (p->threshold >= 0.0f &&
+                    (p->unit == GLAREPP_LUMINANCE || p->threshold <= 100.0f))
                ? st
-               : gp_fail_at(&plan->log, GP_ERR_USAGE, "sense.threshold", "sense: "
+               : gp_fail_at(&plan->log, GP_ERR_USAGE, "sense.threshold",
+                            "sense: "
                             "a threshold that its unit has not (found %g)",
-                            (double) p.threshold);
+                            (double) p->threshold);
 }
 
 static gp_status take_layer(struct glarepp_plan *plan,
@@ -221,7 +223,6 @@ out:
     return st;
 }
 
-/* Takes the plan's kernel and those of groups. */
 static gp_status take_kernels(struct glarepp_plan *plan,
                               const struct glarepp_plan_params *p)
 {

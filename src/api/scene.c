@@ -158,15 +158,6 @@ static struct glarepp_light spec_of(const struct glarepp_plan *plan,
 
 // -- a frame's camera ---------------------------------------------------------
 
-/* Returns the scene's time of a frame; a frame alone is the scene's first. */
-static double time_of(const struct glarepp_frame *f)
-{
-    return f->p.numbered
-               ? ((double) f->p.number - f->plan->scene.start) /
-                     (f->p.fps > 0.0 ? f->p.fps : USUAL_RATE)
-               : f->work->scene->scene.start;
-}
-
 /* Warns once where a sequence runs beside the scene's keys. */
 static void warn_of_time(const struct glarepp_frame *f, double seconds)
 {
@@ -273,7 +264,10 @@ static gp_status check_relight(const struct glarepp_frame *f)
 gp_status gp_api_pose(struct glarepp_frame *f)
 {
     struct gp_api_scene *const own = f->work->scene;
-    const double seconds = time_of(f);
+    const double rate = f->p.fps > 0.0 ? f->p.fps : USUAL_RATE;
+    const double seconds = // a frame alone is the scene's first
+        f->p.numbered ? ((double) f->p.number - f->plan->scene.start) / rate
+                      : own->scene.start;
     warn_of_time(f, seconds);
     gp_scene_pose(&own->scene, seconds);
     f->facts.scene.path = f->plan->scene.path;

@@ -55,7 +55,6 @@ static gp_status check_finite(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* Takes worldToCamera. */
 static gp_status set_camera(const struct gp_log *log, const char *path,
                             const double *m, struct gp_camera *c)
 {

@@ -25,12 +25,13 @@
 
 #include <stdbool.h>
 
+/* PLANE is 0: what is not set. */
 enum gp_projecting {
-    GP_PLANE, // 0: what is not set
+    GP_PLANE,
     GP_PERSPECTIVE,
     GP_LATLONG,
     GP_FISHEYE,
-    GP_EQUISOLID,
+    GP_EQUISOLID
 };
 
 struct gp_projection {

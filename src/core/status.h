@@ -28,12 +28,7 @@ typedef enum gp_status { GP_STATUS_LIST(GP_STATUS_ENUM) } gp_status;
 
 /* BARE is an error whose line names no file ("sensors: out of memory"): the
  * sink adds the file's name in front. No gp_log has it as level. */
-enum gp_level {
-    GP_LEVEL_ERROR,
-    GP_LEVEL_WARN,
-    GP_LEVEL_INFO,
-    GP_LEVEL_BARE,
-};
+enum gp_level { GP_LEVEL_ERROR, GP_LEVEL_WARN, GP_LEVEL_INFO, GP_LEVEL_BARE };
 
 enum { GP_LINE_BYTES = 4096 }; // longer lines are cut
 
