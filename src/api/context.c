@@ -21,10 +21,12 @@ const char *glarepp_version(void)
 
 // -- messages -----------------------------------------------------------------
 
-static _Thread_local struct {
+/* The last error of a thread. */
+struct last {
     char parameter[64], text[GP_LINE_BYTES];
     int status;
-} last; // error of the thread
+};
+static _Thread_local struct last last;
 
 const struct glarepp_message *glarepp_error(void)
 {

@@ -222,10 +222,12 @@ out:
 
 // -- checks -------------------------------------------------------------------
 
-static _Thread_local struct {
+/* Faults of the last check of a thread. */
+struct faults {
     struct gp_fault found[GP_KERNEL_RULES];
     const char *line[GP_KERNEL_RULES], *parameter[GP_KERNEL_RULES];
-} faults; // of the thread's last check
+};
+static _Thread_local struct faults faults;
 
 /* Counts the samples that are not finite; returns whether any is light. */
 static bool look_at(const struct gp_image *f, long long *nonfinite)
