@@ -99,12 +99,6 @@ static struct gp_plane *plane_of(struct glarepp_frame *f,
     return of;
 }
 
-/* The lit frame (0) or group in the output space. */
-static struct gp_planes *converted_of(struct glarepp_frame *f, int group)
-{
-    return group ? &f->group[group - 1].converted : &f->converted;
-}
-
 void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
 {
     for (int v = 0; v < GLAREPP_VIEWS; v++) {
@@ -129,8 +123,10 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         if (views & 1u << v && v != GLAREPP_OUTPUT)
             gp_planes_free(planes_of(f, &f->image, (enum glarepp_view) v));
     }
-    for (int i = 0; i <= f->groups && views & 1u << GLAREPP_OUTPUT; i++)
-        gp_planes_free(converted_of(f, i));
+    if (views & 1u << GLAREPP_OUTPUT)
+        gp_planes_free(&f->converted);
+    for (int i = 0; i < f->groups && views & 1u << GLAREPP_OUTPUT; i++)
+        gp_planes_free(&f->group[i].converted);
 }
 
 void glarepp_frame_end(struct glarepp_frame **frame)
@@ -286,9 +282,9 @@ out:
 static gp_status find_output(struct glarepp_frame *f, int group,
                              const struct gp_planes **out)
 {
-    const struct gp_image *const image =
-        group ? &f->group[group - 1].image : &f->image;
-    struct gp_planes *const to = converted_of(f, group);
+    struct gp_api_group *const g = group ? &f->group[group - 1] : NULL;
+    const struct gp_image *const image = g ? &g->image : &f->image;
+    struct gp_planes *const to = g ? &g->converted : &f->converted;
     const struct gp_planes *const from =
         f->composed ? &image->lit : &image->rgb;
     *out = f->plan->converts ? to : from;
