@@ -282,29 +282,6 @@ gp_status gp_write_picture(const struct gp_log *log,
 {
     const struct gp_picture_job job = {log, p, path, f, planes, kind, stats};
     const struct target t = target_of(p, path);
-    const gp_status st = t.format && t.format->write != write_by_helper
-                             ? GP_OK : check_format(log, p, path, &t);
+    const gp_status st = check_format(log, p, path, &t);
     return st ? st : t.format->write(&job);
-}
-
-gp_status gp_write_hdr(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path,
-    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
-{
-    gp_status st = gp_write_hdr_check(log, p, GP_HDR_KEEPS, path);
-    if (st)
-        return st;
-    return gp_exr_write_hdr(log, p, path, set, n, stats);
-}
-
-gp_status gp_write_parts(const struct gp_log *log,
-                         const struct gp_write_params *p, const char *path,
-                         const struct gp_frame *f, const char *const *name,
-                         const struct gp_planes *part, int n,
-                         struct gp_write_stats *stats)
-{
-    gp_status st = gp_write_hdr_check(log, p, GP_PARTS_KEEP, path);
-    if (st)
-        return st;
-    return gp_exr_write_parts(log, p, path, f, name, part, n, stats);
 }

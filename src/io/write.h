@@ -161,10 +161,11 @@ struct gp_hdr_colour {
 };
 
 /* Writes an EXR in which the colour channels of each frame hold its planes and
- * every other channel, attribute and part of the input passes through. Luminance-chroma and grey inputs: grey stays one channel when the
- * planes are equal, else R,G,B take its place. With p->converted the
- * attributes of the input's primaries and of how to show them are left out,
- * and chromaticities are p->primaries.
+ * every other channel, attribute and part of the input passes through.
+ * gp_write_hdr_check() has passed `path`. Luminance-chroma and grey inputs: grey
+ * stays one channel when the planes are equal, else R,G,B take its place. With
+ * p->converted the attributes of the input's primaries and of how to show them
+ * are left out, and chromaticities are p->primaries.
  *
  *   set  n >= 1 frames of one file, from gp_read_frame() or gp_read_layer();
  *        set[0].f's path and input are the input. Several may lie in one
@@ -195,8 +196,8 @@ GP_MUST_CHECK gp_status gp_convert_layers(const struct gp_log *log,
     struct gp_write_stats *stats);
 
 /* Writes `n` layers of light of a frame's size into one EXR, part[i] as NAME.R,
- * NAME.G, NAME.B of name[i], no two the same. Errors: those of
- * gp_write_picture(). */
+ * NAME.G, NAME.B of name[i], no two the same. gp_write_hdr_check() has passed
+ * `path`. Errors: those of gp_write_picture(). */
 #define GP_PARTS_KEEP "--parts writes layers"
 GP_MUST_CHECK gp_status gp_write_parts(
     const struct gp_log *log, const struct gp_write_params *p, const char *path,

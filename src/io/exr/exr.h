@@ -177,15 +177,7 @@ GP_MUST_CHECK gp_status gp_read_exr(const struct gp_log *log,
 
 /* -- out ------------------------------------------------------------------ */
 
-/* gp_write_picture(), gp_write_parts() and gp_write_hdr() once `path` is
- * checked. */
+/* gp_write_picture() once `path` is checked. */
 GP_MUST_CHECK gp_status gp_exr_write_picture(const struct gp_picture_job *j);
-GP_MUST_CHECK gp_status gp_exr_write_parts(
-    const struct gp_log *log, const struct gp_write_params *p, const char *path,
-    const struct gp_frame *f, const char *const *name,
-    const struct gp_planes *part, int n, struct gp_write_stats *stats);
-GP_MUST_CHECK gp_status gp_exr_write_hdr(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path,
-    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats);
 
 #endif

@@ -556,11 +556,11 @@ gp_status gp_exr_write_picture(const struct gp_picture_job *j)
     return write_layers(w, j->f, NULL, j->planes, 1, j->stats);
 }
 
-gp_status gp_exr_write_parts(const struct gp_log *log,
-                             const struct gp_write_params *p, const char *path,
-                             const struct gp_frame *f, const char *const *name,
-                             const struct gp_planes *part, int n,
-                             struct gp_write_stats *stats)
+gp_status gp_write_parts(const struct gp_log *log,
+                         const struct gp_write_params *p, const char *path,
+                         const struct gp_frame *f, const char *const *name,
+                         const struct gp_planes *part, int n,
+                         struct gp_write_stats *stats)
 {
     struct writing w = {
         .log = log,
@@ -573,9 +573,10 @@ gp_status gp_exr_write_parts(const struct gp_log *log,
 
 /* -- --hdr: the frame as it came in, with glare --------------------------- */
 
-gp_status gp_exr_write_hdr(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path,
-    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
+gp_status gp_write_hdr(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const struct gp_hdr_colour *set, int n,
+                       struct gp_write_stats *stats)
 {
     const struct gp_input *const in = gp_input_of(set[0].f);
     struct writing w = {
