@@ -405,16 +405,16 @@ static gp_status list_part(struct reading *c, int part)
     const char *const view = part == c->in->part && colour
                                  ? gp_exr_view_of(c->in, part, colour)
                                  : NULL;
-    const char **name, *own;
-    const size_t bytes = gp_exr_part_layer(c->in, part, &own);
-    const int n = gp_exr_channels(c->in, part)->num_channels;
+    const char **name;
+    const struct gp_exr_part *const own = &c->in->each[part];
+    const int n = own->channel->num_channels;
     const gp_status st = gp_exr_names_in(c->log, c->in, part, view, &name);
     for (int i = 0; i < n && !st; i++) {
         const size_t dot = gp_layer_length(name[i]);
         const int k = component(name[i] + dot);
         for (int t = 0; t < c->types && k >= 0; t++) {
-            const int at = rank_of(c->type[t].name, dot ? name[i] : own,
-                                   dot ? dot - 1 : bytes);
+            const int at = rank_of(c->type[t].name, dot ? name[i] : own->layer,
+                                   dot ? dot - 1 : own->length);
             struct rank *const r = at < 0 ? NULL : &c->type[t].rank[at];
             if (r && !r->there)
                 *r = (struct rank) {true, part, {-1, -1, -1, -1}};
@@ -430,7 +430,7 @@ static gp_status list_part(struct reading *c, int part)
 static gp_status check_rank(const struct reading *c, const struct rank *r)
 {
     const exr_attr_chlist_entry_t *const e =
-        gp_exr_channels(c->in, r->part)->entries;
+        c->in->each[r->part].channel->entries;
     for (int k = 0; k < 4; k += 2) {
         const int id = r->channel[k];
         if (id < 0)
@@ -462,7 +462,7 @@ static gp_status find_layers(struct reading *c)
         c->type[i].rank = c->rank + (size_t) i * RANKS;
     GP_TRY(list_part(c, in->part));
     for (int part = 0; part < in->parts; part++) {
-        if (part != in->part && !gp_exr_is_deep(in, part) &&
+        if (part != in->part && !in->each[part].deep &&
             !gp_exr_other_view(in, part, in->part))
             GP_TRY(list_part(c, part));
     }
@@ -528,7 +528,7 @@ static gp_status read_rank(const struct reading *c, const struct rank *r,
     gp_status st = GP_OK;
     a->from = c->f->data;
     if (!own) {
-        GP_TRY(gp_exr_chunks_find(c->log, c->f->path, c->in, r->part, false,
+        GP_TRY(gp_exr_chunks_find(c->log, c->in, r->part, false,
                                   c->p->max_pixels, &chunks));
         a->from = (struct gp_rect) {chunks.x0, chunks.y0, chunks.x0 + chunks.w,
                                     chunks.y0 + chunks.h};

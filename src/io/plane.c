@@ -75,35 +75,33 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
 {
     int channels = 0;
     gp_status st;
-    const char *own = "", *layer;
     const char *const view = colour ? gp_exr_view_of(o, o->part, colour) : NULL;
     list->in = o;
     for (int part = 0; part < o->parts; part++)
-        channels += gp_exr_channels(o, part)->num_channels;
+        channels += o->each[part].channel->num_channels;
     GP_TRY(alloc_list(log, o->parts + 1, 2 * channels, list));
     if (view)
         GP_TRY(gp_exr_names_in(log, o, o->part, view, &list->bare));
-    const size_t bytes = colour ? gp_exr_part_layer(o, o->part, &own) : 0;
-    const size_t n = gp_last_part(own, bytes);
+    const struct gp_exr_part *const own = &o->each[o->part];
+    const size_t n = colour ? gp_last_part(own->layer, own->length) : 0;
     for (int order = -1; order < 16; order++) { // the colour's part first
         for (int part = 0; part < o->parts; part++) {
-            const exr_attr_chlist_t *const from = gp_exr_channels(o, part);
-            const size_t length = gp_exr_part_layer(o, part, &layer);
+            const struct gp_exr_part *const from = &o->each[part];
             struct part to = {
                 .number = part,
-                .name = gp_exr_part_name(o, part),
-                .layer = layer,
-                .length = length,
+                .name = from->name,
+                .layer = from->layer,
+                .length = from->length,
                 .colour = colour && part == o->part,
-                .deep = gp_exr_is_deep(o, part),
-                .mist = gp_is_mist(layer, length),
-                .channels = from->num_channels,
+                .deep = from->deep,
+                .mist = gp_is_mist(from->layer, from->length),
+                .channels = from->channel->num_channels,
             };
             to.other = colour && gp_exr_other_view(o, part, o->part);
             const bool plain = depth && !(to.name &&
                                           strcasestr(to.name, "depth"));
-            const bool far = n > 0 && !(to.name &&
-                                        strncmp(to.name, own, n) == 0);
+            const bool far =
+                n > 0 && !(to.name && strncmp(to.name, own->layer, n) == 0);
             if ((to.colour
                      ? -1
                      : 8 * to.deep + 4 * to.other + 2 * plain + far) != order)
@@ -115,7 +113,7 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
                 to.inner = inner;
                 to.by = colour;
                 for (int i = 0; i < to.channels; i++) {
-                    const char *const name = from->entries[i].name.str;
+                    const char *const name = from->channel->entries[i].name.str;
                     channel[i].name =
                         (char *) (uintptr_t) (inner ? list->bare[i] : name);
                     if (inner && colour && strcmp(name, colour) == 0)
@@ -346,14 +344,15 @@ static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
 
 /* One channel of one part, from the file. */
 static gp_status from_part(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, const struct gp_input *o,
-    const struct place *at, struct gp_plane *out)
+                           const struct gp_read_params *p,
+                           const struct gp_input *o, const struct place *at,
+                           struct gp_plane *out)
 {
     gp_status st;
     float **to = NULL;
     struct gp_exr_chunks l;
-    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->number, false,
-                              p->max_pixels, &l));
+    GP_TRY(
+        gp_exr_chunks_find(log, o, at->part->number, false, p->max_pixels, &l));
     GP_TRY(make_samples(log, (struct gp_rect) {l.x0, l.y0, l.x0 + l.w,
                                                l.y0 + l.h}, out));
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,
@@ -389,7 +388,7 @@ static gp_status read_samples(const struct gp_log *log,
     // and chroma) or cleaned of NaN
     const struct gp_input *const in = gp_input_of(f);
     if (!at->part->colour || (!f->channel[at->channel].data && in))
-        return from_part(log, p, f->path, in, at, out);
+        return from_part(log, p, in, at, out);
     const gp_status st = make_samples(log, f->data, out);
     if (!st) {
         gp_channel_floats(f, at->channel, out->v);
@@ -416,8 +415,9 @@ static gp_status find_beside(const struct gp_log *log,
     if (at.part && type)
         *type = at.part->colour
                     ? f->channel[at.channel].type
-                    : (enum gp_pixel_type) gp_exr_channels(list.in, at.part->number)
-                          ->entries[at.channel].pixel_type;
+                    : (enum gp_pixel_type) list.in->each[at.part->number]
+                          .channel->entries[at.channel]
+                          .pixel_type;
     else if (at.part)
         GP_TRY(read_samples(log, p, f, &at, out));
 out:
@@ -471,7 +471,7 @@ static gp_status read_file(const struct gp_log *log,
     GP_TRY(pick(log, &list, name, kind, true, &at));
     GP_TRY(make_name(log, &list, &at, &plane));
     if (file.input) {
-        GP_TRY(from_part(log, p, path, file.input, &at, &plane));
+        GP_TRY(from_part(log, p, file.input, &at, &plane));
     } else {
         GP_TRY(make_samples(log, image->data, &plane));
         gp_decoded_channel(image, at.channel, plane.v);

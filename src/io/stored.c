@@ -75,8 +75,7 @@ static gp_status read_deep(const struct gp_log *log,
     struct gp_exr_deep deep;
     struct gp_frame f;
     gp_status st;
-    GP_TRY(gp_exr_deep_read(log, file->path, file->input, part, p->max_pixels,
-                            &deep));
+    GP_TRY(gp_exr_deep_read(log, file->input, part, p->max_pixels, &deep));
     gp_exr_frame_header(&deep.part, &f);
     copy_header(&f, out);
     const exr_attr_chlist_t *const list = deep.part.channel;
@@ -105,10 +104,10 @@ static gp_status read_exr(const struct gp_log *log,
     struct gp_exr_chunks l = {0};
     struct gp_frame f;
     float **to = NULL;
-    if (gp_exr_is_deep(file->input, part))
+    if (file->input->each[part].deep)
         return read_deep(log, p, file, part, out);
-    GP_TRY(gp_exr_chunks_find(log, file->path, file->input, part, false,
-                              p->max_pixels, &l));
+    GP_TRY(
+        gp_exr_chunks_find(log, file->input, part, false, p->max_pixels, &l));
     gp_exr_frame_header(&l, &f);
     copy_header(&f, out);
     const int n = l.channel->num_channels;
@@ -223,8 +222,8 @@ void gp_stored_image_free(struct gp_stored_image *image)
 static int deep_part(const struct gp_input *in, int like, int part)
 {
     for (; part < in->parts; part++) {
-        const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
-        if (!gp_exr_is_deep(in, part) ||
+        const exr_attr_chlist_t *const list = in->each[part].channel;
+        if (!in->each[part].deep ||
             (like >= 0 && gp_exr_other_view(in, part, like)))
             continue;
         for (int i = 0; i < list->num_channels; i++) {

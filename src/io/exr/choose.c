@@ -14,52 +14,8 @@
 
 bool gp_exr_other_view(const struct gp_input *in, int a, int b)
 {
-    const char *const one = gp_exr_part_view(in, a);
-    const char *const two = gp_exr_part_view(in, b);
+    const char *const one = in->each[a].view, *const two = in->each[b].view;
     return one && two && strcmp(one, two) != 0;
-}
-
-bool gp_exr_is_deep(const struct gp_input *in, int part)
-{
-    exr_storage_t storage;
-    return exr_get_storage(in->exr, part, &storage) ||
-           storage == EXR_STORAGE_DEEP_SCANLINE ||
-           storage == EXR_STORAGE_DEEP_TILED;
-}
-
-const exr_attr_chlist_t *gp_exr_channels(const struct gp_input *in, int part)
-{
-    static const exr_attr_chlist_t none;
-    const exr_attr_chlist_t *list;
-    return exr_get_channels(in->exr, part, &list) ? &none : list;
-}
-
-const char *gp_exr_part_name(const struct gp_input *in, int part)
-{
-    const char *name = NULL;
-    if (exr_get_name(in->exr, part, &name) || !name || !name[0])
-        return NULL;
-    return name;
-}
-
-const char *gp_exr_part_view(const struct gp_input *in, int part)
-{
-    int32_t length;
-    const char *view;
-    return exr_attr_get_string(in->exr, part, "view", &length, &view) ? NULL
-                                                                      : view;
-}
-
-size_t gp_exr_part_layer(const struct gp_input *in, int part, const char **name)
-{
-    const char *own = gp_exr_part_name(in, part);
-    const char *view = gp_exr_part_view(in, part);
-    *name = own ? own : "";
-    const size_t n = strlen(*name), end = view ? strlen(view) : 0;
-    if (end == 0 || n < end + 2 || strcmp(own + n - end, view) != 0)
-        return n;
-    const char before = own[n - end - 1];
-    return before == '.' || before == '_' ? n - end - 1 : n;
 }
 
 /* Lists the views of a part: its own, or several; returns how many. The first
@@ -70,7 +26,7 @@ static int views_of(const struct gp_input *in, int part,
                     const char *view[VIEWS])
 {
     const exr_attribute_t *a;
-    view[0] = gp_exr_part_view(in, part);
+    view[0] = in->each[part].view;
     if (view[0])
         return 1;
     if (exr_get_attribute_by_name(in->exr, part, "multiView", &a) ||
@@ -118,7 +74,7 @@ bool gp_exr_bare_name(const struct gp_input *in, int part, const char *wanted,
                       const char *name, char *to)
 {
     const char *view[VIEWS];
-    const int n = gp_exr_part_view(in, part) ? 0 : views_of(in, part, view);
+    const int n = in->each[part].view ? 0 : views_of(in, part, view);
     size_t at;
     strcpy(to, name);
     if (n == 0)
@@ -146,8 +102,8 @@ void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
     *out = (struct gp_taken) {0};
     colour = colour ? colour : "";
     if (in) {
-        part = in->parts > 1 ? gp_exr_part_name(in, f->part) : NULL;
-        view = gp_exr_part_view(in, f->part);
+        part = in->parts > 1 ? in->each[f->part].name : NULL;
+        view = in->each[f->part].view;
     }
     if (in && !view) {
         view = gp_exr_view_of(in, f->part, colour);
@@ -168,7 +124,7 @@ void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
 gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
                           int part, const char *view, const char ***out)
 {
-    const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
+    const exr_attr_chlist_t *const list = in->each[part].channel;
     size_t bytes = (size_t) list->num_channels * sizeof **out;
     for (int i = 0; view && i < list->num_channels; i++)
         bytes += strlen(list->entries[i].name.str) + 1;
@@ -195,7 +151,7 @@ void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out)
     static const char first[] = "cryptomatte/", last[] = "/name";
     const size_t start = sizeof first - 1, end = sizeof last - 1;
     *out = (struct gp_crypto) {0};
-    for (int part = 0; in && in->exr && part < in->parts; part++) {
+    for (int part = 0; in && part < in->parts; part++) {
         int32_t n = 0;
         if (exr_get_attribute_count(in->exr, part, &n))
             continue;
@@ -226,13 +182,10 @@ enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
     const struct gp_input *in, int part, const char *name)
 {
     const size_t len = gp_layer_length(name);
-    const char *layer;
     if (len > 0)
         return gp_crypto_layer(c, name, len - 1);
-    if (!in || !in->exr)
-        return GP_CRYPTO_NONE;
-    const size_t n = gp_exr_part_layer(in, part, &layer);
-    return gp_crypto_layer(c, layer, n);
+    return in ? gp_crypto_layer(c, in->each[part].layer, in->each[part].length)
+              : GP_CRYPTO_NONE;
 }
 
 /* -- the search ----------------------------------------------------------- */
@@ -261,7 +214,7 @@ static gp_status search_parts(const struct search *s, const char *layer,
                 (view && !has_view(in, part, view)))
                 continue;
             // the part's channels of the view; those of ids are no colour
-            const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
+            const exr_attr_chlist_t *const list = in->each[part].channel;
             const int channels = list->num_channels;
             const char **name;
             gp_status st = gp_exr_names_in(s->log, in, part, view, &name);
@@ -274,8 +227,8 @@ static gp_status search_parts(const struct search *s, const char *layer,
                     name[k] = "";
             }
             // the layer of that name, or the part: with or without its view
-            const char *called;
-            const size_t n = gp_exr_part_layer(in, part, &called);
+            const char *const called = in->each[part].layer;
+            const size_t n = in->each[part].length;
             const bool data = n > 0 && s->only < 0 && !gp_is_light(called, n);
             const bool found =
                 !layer ? !data && gp_find_colour(name, channels, lone,
@@ -288,12 +241,11 @@ static gp_status search_parts(const struct search *s, const char *layer,
                               gp_find_layer_colour(name, channels, "", false,
                                                    &out->colour));
             gp_free(name);
-            if (found && !gp_exr_is_deep(in, part)) {
+            if (found && !in->each[part].deep) {
                 out->part = part;
                 return GP_OK;
             }
-            if (!layer && deep.colour.index[0] < 0 &&
-                gp_exr_is_deep(in, part)) {
+            if (!layer && deep.colour.index[0] < 0 && in->each[part].deep) {
                 deep.part = part;
                 if (found)
                     deep.colour = out->colour;
@@ -315,7 +267,7 @@ static int part_number(const struct gp_input *in, const char *part)
         return number < in->parts ? (int) number : -1;
     }
     for (int i = 0; i < in->parts; i++) {
-        const char *name = gp_exr_part_name(in, i);
+        const char *name = in->each[i].name;
         if (name && strcmp(name, part) == 0)
             return i;
     }
@@ -344,16 +296,17 @@ static void add_name(char list[NAMES], const char *name, size_t len)
 
 /* Prints the line for a layer, part or view that the file does not have. */
 static gp_status not_there(const struct search *s,
-                           const struct gp_read_params *p, const char *path)
+                           const struct gp_read_params *p)
 {
     char layers[NAMES] = "", parts[NAMES] = "", views[NAMES] = "";
     const struct gp_input *const in = s->in;
     char what[700];
     bool known = !p->view;
     for (int part = 0; part < in->parts; part++) {
-        const char *const name = gp_exr_part_name(in, part), *view[VIEWS];
-        const exr_attr_chlist_t *const list = gp_exr_channels(in, part);
-        snprintf(what, sizeof what, "%d %s", part, name ? name : "-");
+        const struct gp_exr_part *const own = &in->each[part];
+        const exr_attr_chlist_t *const list = own->channel;
+        const char *view[VIEWS];
+        snprintf(what, sizeof what, "%d %s", part, own->name ? own->name : "-");
         add_name(parts, what, strlen(what));
         known = known || has_view(in, part, p->view);
         for (int i = 0, n = views_of(in, part, view); i < n; i++)
@@ -361,15 +314,17 @@ static gp_status not_there(const struct search *s,
         // the layers that hold light
         for (int i = 0; i < list->num_channels; i++) {
             const char *layer = list->entries[i].name.str;
-            size_t len = gp_layer_length(layer);
+            const size_t len = gp_layer_length(layer);
             const char *const letter = layer + len;
             if ((strcmp(letter, "R") != 0 && strcmp(letter, "Y") != 0 &&
                  strcasecmp(letter, "red") != 0) ||
                 gp_exr_crypto_channel(&s->crypto, in, part, layer) ||
                 (len == 0 && in->parts == 1))
                 continue;
-            len = len > 0 ? len - 1 : gp_exr_part_layer(in, part, &layer);
-            add_name(layers, layer, len);
+            if (len > 0)
+                add_name(layers, layer, len - 1);
+            else
+                add_name(layers, own->layer, own->length);
         }
     }
     const char *const has_layers = *layers ? layers + 2 : "none";
@@ -379,7 +334,8 @@ static gp_status not_there(const struct search *s,
         return gp_fail(s->log, GP_ERR_USAGE,
                        "%s: layer %.200s is Cryptomatte: ids are no light and "
                        "are never filtered (layers of light: %s); give one of "
-                       "those", path, p->layer, has_layers);
+                       "those",
+                       in->path, p->layer, has_layers);
     if (p->part && part_number(in, p->part) < 0)
         snprintf(what, sizeof what, "part %.200s", p->part);
     else if (!known)
@@ -391,13 +347,15 @@ static gp_status not_there(const struct search *s,
                  p->view ? " of view " : "", p->view ? p->view : "");
     return gp_fail(s->log, GP_ERR_USAGE,
                    "%s: has no %s (layers: %s; parts: %s; views: %s); give one "
-                   "of those", path, what, has_layers, parts + 2,
+                   "of those",
+                   in->path, what, has_layers, parts + 2,
                    *views ? views + 2 : "none");
 }
 
 gp_status gp_exr_choose(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, const struct gp_input *in,
-    int first, struct gp_exr_choice *out)
+                        const struct gp_read_params *p,
+                        const struct gp_input *in, int first,
+                        struct gp_exr_choice *out)
 {
     struct search s = {.log = log, .in = in, .first = first, .only = -1};
     char word[GP_CHANNEL_NAME + 1];
@@ -405,7 +363,7 @@ gp_status gp_exr_choose(const struct gp_log *log,
     if (p->part) {
         s.only = part_number(in, p->part);
         if (s.only < 0)
-            return not_there(&s, p, path);
+            return not_there(&s, p);
     }
     gp_status st = search_parts(&s, p->layer, p->view, out);
     if (!st && out->part < 0 && p->layer && !p->view &&
@@ -424,11 +382,11 @@ gp_status gp_exr_choose(const struct gp_log *log,
     if (st || out->part >= 0)
         return st;
     if (p->layer || p->part || p->view)
-        return not_there(&s, p, path);
+        return not_there(&s, p);
     return gp_fail(log, GP_ERR_DATA,
                    "%s: no colour channels (looked for R,G,B, Y and "
-                   "LAYER.R,G,B in %d part%s); rename or add them", path,
-                   in->parts, in->parts == 1 ? "" : "s");
+                   "LAYER.R,G,B in %d part%s); rename or add them",
+                   in->path, in->parts, in->parts == 1 ? "" : "s");
 }
 
 /* -- the views of a file -------------------------------------------------- */
@@ -454,9 +412,9 @@ gp_status gp_exr_views(const struct gp_log *log, const struct gp_read_params *p,
     // the view that is taken by itself
     q.view = NULL;
     *out = (struct gp_views) {0};
-    gp_status st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
+    gp_status st = gp_exr_choose(NULL, &q, in, 0, &choice);
     if (!st && views_of(in, choice.part, inner) > 0) {
-        const exr_attr_chlist_t *const list = gp_exr_channels(in, choice.part);
+        const exr_attr_chlist_t *const list = in->each[choice.part].channel;
         const char *first = inner[0];
         for (int c = 0; c < 3; c++) {
             const int i = choice.colour.index[c];
@@ -472,7 +430,7 @@ gp_status gp_exr_views(const struct gp_log *log, const struct gp_read_params *p,
     }
     for (int i = 0; i < named && st != GP_ERR_BUG; i++) {
         q.view = view[i];
-        st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
+        st = gp_exr_choose(NULL, &q, in, 0, &choice);
         if (st) // it does not have the colour
             continue;
         out->name[out->n] = gp_strdup(view[i]);

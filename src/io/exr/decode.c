@@ -31,12 +31,12 @@ static gp_status damaged(const struct gp_log *log,
 {
     const int row = chunk / ((cs->w - 1) / cs->tile_w + 1);
     if (gp_exr_fault())
-        return gp_exr_fault_print(log, cs->path, gp_exr_fault());
+        return gp_exr_fault_print(log, cs->input->path, gp_exr_fault());
     return gp_fail(log, GP_ERR_DATA,
                    "%s: truncated or damaged (part %d, chunk %d of %d, at line "
-                   "%d: %s); copy or render the file again", cs->path,
-                   cs->part, chunk + 1, cs->chunks, cs->y0 + row * cs->tile_h,
-                   why);
+                   "%d: %s); copy or render the file again",
+                   cs->input->path, cs->part, chunk + 1, cs->chunks,
+                   cs->y0 + row * cs->tile_h, why);
 }
 
 /* Unpacked bytes of a chunk, and whether the library divides its rows and
@@ -82,7 +82,7 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
     const bool stored = cs->compression == EXR_COMPRESSION_NONE;
     const uint64_t most = dwa ? 64 * 1032 : 1376;
     const exr_context_t exr = cs->input->exr;
-    const bool deep = gp_exr_is_deep(cs->input, cs->part);
+    const bool deep = cs->input->each[cs->part].deep;
     const int across = (cs->w - 1) / cs->tile_w + 1;
     gp_exr_fault_clear();
     for (int i = 0; i < cs->chunks; i++) {
@@ -100,7 +100,8 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
             return gp_fail(log, GP_ERR_DATA,
                            "%s: a chunk is no whole number of the channels' "
                            "subsampling steps (chunk %d); write the file "
-                           "without subsampling", cs->path, i + 1);
+                           "without subsampling",
+                           cs->input->path, i + 1);
         if (!wrong && !deep && stored && c->packed_size != bytes)
             wrong = "its size is wrong";
         else if (!wrong && bytes > (c->packed_size + 64) * most)
@@ -113,16 +114,17 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
     return GP_OK;
 }
 
-gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
+gp_status gp_exr_chunks_find(const struct gp_log *log,
                              const struct gp_input *in, int part, bool deep,
                              long long max_pixels, struct gp_exr_chunks *out)
 {
     const exr_context_t exr = in->exr;
+    const char *const path = in->path;
     exr_storage_t storage;
     gp_status st;
     exr_attr_box2i_t d;
-    *out = (struct gp_exr_chunks) {.input = in, .path = path, .part = part};
-    if (!deep && gp_exr_is_deep(in, part))
+    *out = (struct gp_exr_chunks) {.input = in, .part = part};
+    if (!deep && in->each[part].deep)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: deep data has no single colour per pixel (part "
                        "%d); flatten it first, with e.g. oiiotool --flatten",
@@ -145,7 +147,7 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
 
     // the number of chunks of level 0, which come first in the table, which is
     // in the file: that bounds the list
-    const int all = in->index->part[part].chunks;
+    const int all = in->each[part].chunks;
     uint32_t tw, th;
     int64_t n = 0;
     exr_tile_level_mode_t mode;
@@ -345,8 +347,8 @@ static gp_status decode_by_oiio(const struct gp_log *log,
     const size_t n = (size_t) cs->w * (size_t) cs->h;
     struct gp_decoded image = {0};
     gp_status st;
-    GP_TRY(gp_oiio_open(log, cs->path, s, "openexr", cs->part, (long long) n,
-                        &image));
+    GP_TRY(gp_oiio_open(log, cs->input->path, s, "openexr", cs->part,
+                        (long long) n, &image));
     const size_t step = (size_t) image.channels;
     for (int i = 0; i < cs->channel->num_channels; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
@@ -357,10 +359,11 @@ static gp_status decode_by_oiio(const struct gp_log *log,
             from++;
         if (from == image.channels || gp_rect_w(image.data) != cs->w ||
             gp_rect_h(image.data) != cs->h)
-            GP_TRY(gp_fail(log, GP_ERR_DATA,
-                           "%s: OpenImageIO found another window, or no "
-                           "channel %s; write the file with another compression",
-                           cs->path, e->name.str));
+            GP_TRY(
+                gp_fail(log, GP_ERR_DATA,
+                        "%s: OpenImageIO found another window, or no "
+                        "channel %s; write the file with another compression",
+                        cs->input->path, e->name.str));
         const float *p = image.pixels + from;
         for (size_t k = 0; to && k < n; k++, p += step) {
             if (e->pixel_type == EXR_PIXEL_HALF && !sink[i].as_float)
@@ -408,7 +411,7 @@ gp_status gp_exr_decode(const struct gp_log *log,
         GP_TRY(gp_alloc(log, "chunk", cs->largest, 1, &w->scratch));
         w->inflate = libdeflate_alloc_decompressor();
         if (!w->inflate)
-            GP_TRY(gp_no_memory(log, cs->path));
+            GP_TRY(gp_no_memory(log, cs->input->path));
     }
     st = gp_parallel(cs->chunks, decode_body, worker, &failed);
     if (st == GP_ERR_DATA) { // does it again to learn why
@@ -419,7 +422,7 @@ gp_status gp_exr_decode(const struct gp_log *log,
                      : gp_exr_fault_short() ? "the file ends before them"
                      : exr_get_default_error_message(r));
     } else if (st) {
-        st = gp_exr_fault_print(log, cs->path, st);
+        st = gp_exr_fault_print(log, cs->input->path, st);
     }
 out:
     for (int i = 0; i < team; i++) {
@@ -468,7 +471,7 @@ static gp_status read_bytes(struct deep *d, int chunk, uint64_t from,
         return damaged(d->log, l, chunk, "its size is wrong");
     if (room > d->room) {
         GP_FREE(d->bytes);
-        GP_TRY(gp_alloc(d->log, l->path, room, 3, &d->bytes));
+        GP_TRY(gp_alloc(d->log, l->input->path, room, 3, &d->bytes));
         d->room = room;
     }
     uint8_t *const from_file = d->bytes + d->room;
@@ -546,15 +549,16 @@ static gp_status read_samples(struct deep *d, int chunk)
     return st;
 }
 
-gp_status gp_exr_deep_read(const struct gp_log *log, const char *path,
-                           const struct gp_input *in, int part,
-                           long long max_pixels, struct gp_exr_deep *out)
+gp_status gp_exr_deep_read(const struct gp_log *log, const struct gp_input *in,
+                           int part, long long max_pixels,
+                           struct gp_exr_deep *out)
 {
+    const char *const path = in->path;
     struct deep d = {.log = log, .out = out};
     struct gp_exr_chunks *const l = &out->part;
     gp_status st;
     *out = (struct gp_exr_deep) {0};
-    GP_TRY(gp_exr_chunks_find(log, path, in, part, true, max_pixels, l));
+    GP_TRY(gp_exr_chunks_find(log, in, part, true, max_pixels, l));
     gp_exr_fault_clear();
     d.inflate = libdeflate_alloc_decompressor();
     if (!d.inflate)

@@ -85,10 +85,11 @@ static int by_offset(const void *a, const void *b)
                                   : p->index - q->index;
 }
 
-gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
+gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
                           const struct gp_input *in, int from)
 {
     gp_status st;
+    const char *const path = in->path;
     uint64_t *const offset = out->offset + out->first[part];
     const int n = (int) (out->first[part + 1] - out->first[part]);
     const size_t number = in->index->multi ? 4 : 0; // bytes of the part's
@@ -545,7 +546,7 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
         GP_TRY(gp_fail(log, GP_ERR_BUG,
                        "%s: OpenImageIO did not compress these channels by "
                        "DWA; use --compression zip", path));
-    GP_TRY(gp_exr_out_copy(out, part, path, file, 0));
+    GP_TRY(gp_exr_out_copy(out, part, file, 0));
 out:
     gp_input_free(file);
     gp_stream_close(&stream);

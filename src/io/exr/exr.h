@@ -20,13 +20,31 @@
 
 /* -- an open file --------------------------------------------------------- */
 
+/* A part; names and channels are borrowed from the context. */
+struct gp_exr_part {
+    const char *name;  // NULL: none
+    const char *view;  // its "view"; NULL: none
+    const char *layer; // its name without the view at its end: "rgba" of
+                       // rgba.left and rgba_left in a part whose view is left
+    size_t length;     // bytes of `layer`; 0 when the part has no name
+    const exr_attr_chlist_t *channel; // empty where the library has no list
+    bool deep;
+    int chunks;        // entries of its offset table
+    uint64_t table;    // first byte of that
+    uint64_t from, to; // its attributes, with the null that ends them
+    const struct gp_exr_attr *attr; // `attrs` of them (exr_priv.h)
+    int attrs;
+};
+
 /* The EXR that a frame came from: gp_frame.input. It stays open: gp_write_hdr()
  * reads other parts and their raw chunks when it needs them. */
 struct gp_input {
+    char *path;        // for messages
     exr_context_t exr; // whole header parsed; many threads may read, errors are
                        // return values only
     struct gp_stream stream; // the bytes of exr
     int part, parts;         // colour part and number of parts
+    struct gp_exr_part *each; // part
     uint64_t
         end; // of the last chunk, by the offset tables of all parts, at most
              // stream.size; 0 when the tables are incomplete
@@ -62,26 +80,10 @@ void gp_input_free(void *input);
  * Source: OpenEXR, "Storing Multi-View Images in OpenEXR Files", and
  * viewFromChannelName() of ImfMultiView.cpp.
  *
- * All inputs here are EXR, and `part` is in [0, in->parts). Strings are
- * borrowed. */
-
-bool gp_exr_is_deep(const struct gp_input *in, int part);
-
-/* The channels of a part; none where the library has no list. */
-const exr_attr_chlist_t *gp_exr_channels(const struct gp_input *in, int part);
-
-/* The part's name or view; NULL when it has none. */
-const char *gp_exr_part_name(const struct gp_input *in, int part);
-const char *gp_exr_part_view(const struct gp_input *in, int part);
+ * `part` is in [0, in->parts). Strings are borrowed. */
 
 /* True when both parts have views, and not the same. */
 bool gp_exr_other_view(const struct gp_input *in, int a, int b);
-
-/* The part's name without the view at its end: "rgba" of rgba.left and
- * rgba_left in a part whose view is left. Returns its length; 0 and "" when
- * the part has no name. */
-size_t gp_exr_part_layer(const struct gp_input *in, int part,
-                         const char **name);
 
 /* gp_frame_views() of an EXR. */
 GP_MUST_CHECK gp_status gp_exr_views(const struct gp_log *log,
@@ -101,7 +103,7 @@ GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
     const struct gp_input *in, int part, const char *view, const char ***out);
 
 /* The layers that cryptomatte's attributes name, of all parts; none for an
- * input that is NULL or not EXR. */
+ * input that is NULL. */
 void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
 
 /* -- pixels --------------------------------------------------------------- */
@@ -109,7 +111,6 @@ void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
 /* The chunks of level 0 of a part, checked. */
 struct gp_exr_chunks {
     const struct gp_input *input; // borrowed
-    const char *path;             // borrowed; for messages
     int part;
     int x0, y0, w, h;                 // data window
     exr_compression_t compression;
@@ -131,7 +132,6 @@ struct gp_exr_sink {
  * to its pixels. `out` is written always; free with gp_exr_chunks_free().
  * Errors: GP_ERR_DATA deep data without `deep`, more than max_pixels, truncated or damaged. */
 GP_MUST_CHECK gp_status gp_exr_chunks_find(const struct gp_log *log,
-                                           const char *path,
                                            const struct gp_input *in, int part,
                                            bool deep, long long max_pixels,
                                            struct gp_exr_chunks *out);
@@ -162,8 +162,9 @@ struct gp_exr_deep {
  * max_pixels. `out` is written always; free with gp_exr_deep_free().
  * Errors: GP_ERR_DATA over max_pixels, truncated or damaged; GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_exr_deep_read(const struct gp_log *log,
-    const char *path, const struct gp_input *in, int part, long long max_pixels,
-    struct gp_exr_deep *out);
+                                         const struct gp_input *in, int part,
+                                         long long max_pixels,
+                                         struct gp_exr_deep *out);
 void gp_exr_deep_free(struct gp_exr_deep *deep);
 
 /* Sets f's windows, pixel aspect ratio, primaries and part by the header. */

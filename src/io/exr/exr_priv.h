@@ -45,14 +45,6 @@ struct gp_exr_attr {
     uint32_t size;
 };
 
-struct gp_exr_index_part {
-    uint64_t from, to; // its attributes, with the null byte that ends them
-    const struct gp_exr_attr *attr; // `attrs` of them
-    int attrs;
-    uint64_t table;    // its offset table, once the library is asked
-    int chunks;        // entries of that
-};
-
 struct gp_exr_index {
     uint8_t *bytes;   // of the file, from its start to the offset tables
     bool multi, flat; // several parts; one that is not deep
@@ -62,7 +54,6 @@ struct gp_exr_index {
     uint64_t
         *rebuilt; // in place of the tables of all parts; NULL: the file's own
     uint64_t chunks; // of all parts
-    struct gp_exr_index_part *part;
     int parts;
     struct gp_exr_attr *attr; // of all parts
     int attrs;
@@ -70,9 +61,8 @@ struct gp_exr_index {
 
 /* The attribute of that name and type, or NULL; a `part` that is NULL has
  * none. */
-const struct gp_exr_attr *
-gp_exr_attr_find(const struct gp_exr_index_part *part, const char *name,
-                 const char *type);
+const struct gp_exr_attr *gp_exr_attr_find(const struct gp_exr_part *part,
+                                           const char *name, const char *type);
 
 /* Flags of the version field, openexr file layout, "Version Field". */
 enum {
@@ -121,8 +111,9 @@ struct gp_exr_choice {
  *
  * Errors: GP_ERR_DATA no colour channel; GP_ERR_USAGE as in gp_read_frame(). */
 GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, const struct gp_input *in,
-    int first, struct gp_exr_choice *out);
+                                      const struct gp_read_params *p,
+                                      const struct gp_input *in, int first,
+                                      struct gp_exr_choice *out);
 
 /* -- luminance-chroma images to RGB (luma_chroma.c) ------------------------
  *
@@ -221,8 +212,9 @@ void gp_exr_put_raw(struct gp_exr_out *out, const void *bytes, size_t size);
  *   chunks  of the part in a multi-part file, where name, type and number of
  *           chunks are required; 0 in files of one part */
 void gp_exr_put_part(struct gp_exr_out *out, const struct gp_frame *f,
-    const struct gp_exr_image *img, const struct gp_exr_index_part *own,
-    enum gp_exr_kept kept, const struct gp_write_params *p, int chunks);
+                     const struct gp_exr_image *img,
+                     const struct gp_exr_part *own, enum gp_exr_kept kept,
+                     const struct gp_write_params *p, int chunks);
 
 /* Ends the header, and makes room for the tables of each part's chunks. */
 GP_MUST_CHECK gp_status gp_exr_out_tables(struct gp_exr_out *out,
@@ -234,11 +226,11 @@ GP_MUST_CHECK gp_status gp_exr_out_tables(struct gp_exr_out *out,
 GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
     const struct gp_exr_image *img, long long *clamped);
 
-/* Copies all chunks of part `from` of another file, `path`, flat or deep and of
- * all levels, in the order in which they are in it.
+/* Copies all chunks of part `from` of another file, flat or deep and of all
+ * levels, in the order in which they are in it.
  * Errors: GP_ERR_DATA a chunk is missing or reaches out of the file; GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
-    const char *path, const struct gp_input *in, int from);
+                                        const struct gp_input *in, int from);
 
 /* Fills in the offset tables. */
 GP_MUST_CHECK gp_status gp_exr_out_end(struct gp_exr_out *out);

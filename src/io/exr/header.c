@@ -64,9 +64,9 @@ static void put_window(struct gp_exr_out *h, const char *name,
 }
 
 /* An attribute of the input, or its default. */
-static void put_or(struct gp_exr_out *h,
-                   const struct gp_exr_index_part *own, const char *name,
-                   const char *type, const void *data, size_t size)
+static void put_or(struct gp_exr_out *h, const struct gp_exr_part *own,
+                   const char *name, const char *type, const void *data,
+                   size_t size)
 {
     const struct gp_exr_attr *a = gp_exr_attr_find(own, name, type);
     if (a && a->size == size)
@@ -112,8 +112,7 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
 }
 
 /* The attributes of the input that are kept: manifests, or all others. */
-static void put_carried(struct gp_exr_out *h,
-                        const struct gp_exr_index_part *own,
+static void put_carried(struct gp_exr_out *h, const struct gp_exr_part *own,
                         enum gp_exr_kept kept, bool manifests)
 {
     for (int i = 0; own && i < own->attrs; i++) {
@@ -154,8 +153,9 @@ static void put_foreign(struct gp_exr_out *h, const struct gp_frame *f,
 }
 
 void gp_exr_put_part(struct gp_exr_out *h, const struct gp_frame *f,
-    const struct gp_exr_image *img, const struct gp_exr_index_part *own,
-    enum gp_exr_kept kept, const struct gp_write_params *p, int chunks)
+                     const struct gp_exr_image *img,
+                     const struct gp_exr_part *own, enum gp_exr_kept kept,
+                     const struct gp_write_params *p, int chunks)
 {
     static const float centre[2] = {0, 0}, width = 1;
     const int32_t count = chunks, version = 1;

@@ -85,51 +85,68 @@ enum {
     LIST_MOST = 8192,
 };
 
-/* A walk over the bytes that are loaded: the first ones count, then one lists
- * the attributes. */
+/* A walk over the header, which it loads: the first counts the attributes, then
+ * one lists them. */
 struct walk {
     const struct gp_log *log;
-    const char *path;
-    const struct gp_stream *stream;
-    struct gp_exr_index *index;
-    size_t loaded; // bytes of index->bytes
-    bool more;     // the header goes on after these
+    struct gp_input *in;
+    uint64_t loaded; // bytes of index->bytes
+    gp_status st;    // of loading them
 };
+
+/* Loads the first `end` bytes of the file. False where it has fewer. */
+static bool has(struct walk *w, uint64_t end)
+{
+    enum { FIRST = 4096 }; // most headers
+    const struct gp_stream *const s = &w->in->stream;
+    struct gp_exr_index *const index = w->in->index;
+    void *block = index->bytes;
+    if (end > w->loaded && end <= s->size && !w->st) {
+        uint64_t room = w->loaded ? 2 * w->loaded : FIRST;
+        room = room > end ? room : end;
+        room = room < s->size ? room : s->size;
+        w->st = gp_resize(w->log, w->in->path, room, &block);
+        index->bytes = block;
+        const int64_t got = w->st ? 0
+                                  : gp_stream_read(s, index->bytes + w->loaded,
+                                                   room - w->loaded, w->loaded);
+        if (got < 0)
+            w->st = gp_stream_failed(w->log, w->in->path);
+        w->loaded += got > 0 ? (uint64_t) got : 0;
+    }
+    return end <= w->loaded;
+}
 
 /* Steps over the name at *at, with its null. False where it does not end. */
 static bool skip_name(struct walk *w, size_t *at)
 {
-    const size_t left = w->loaded - *at, n = left < NAME ? left : NAME;
-    const uint8_t *const from = w->index->bytes + *at;
-    const uint8_t *const null = memchr(from, 0, n);
-    w->more |= !null && n < NAME;
-    *at += null ? (size_t) (null - from) + 1 : 0;
-    return null;
+    for (int n = 0; n < NAME && has(w, *at + 1); n++) {
+        if (!w->in->index->bytes[(*at)++])
+            return true;
+    }
+    return false;
 }
 
 /* Reads the attribute at *at and steps over it. False where it does not end. */
 static bool read_attribute(struct walk *w, size_t *at, struct gp_exr_attr *out)
 {
-    const uint8_t *const bytes = w->index->bytes;
-    size_t type = *at, size;
+    size_t type = *at, size, value;
     if (!skip_name(w, &type))
         return false;
     size = type;
-    if (!skip_name(w, &size))
+    if (!skip_name(w, &size) || !has(w, size + sizeof out->size))
         return false;
-    const size_t value = size + sizeof out->size;
-    w->more |= value > w->loaded;
-    if (w->more)
+    value = size + sizeof out->size;
+    out->size = gp_le32(w->in->index->bytes + size);
+    // it is not the file's last
+    if (out->size > INT_MAX || !has(w, value + out->size + 1))
         return false;
-    *out = (struct gp_exr_attr) {
-        .name = (const char *) bytes + *at, .type = (const char *) bytes + type,
-        .data = bytes + value, .size = gp_le32(bytes + size),
-    };
-    if (out->size > INT_MAX || value + out->size >= w->stream->size)
-        return false;
+    const uint8_t *const bytes = w->in->index->bytes;
+    out->name = (const char *) bytes + *at;
+    out->type = (const char *) bytes + type;
+    out->data = bytes + value;
     *at = value + out->size;
-    w->more |= *at >= w->loaded;
-    return !w->more;
+    return true;
 }
 
 /* Counts a list's channels, up to LIST_MOST + 1. The library stops at its null:
@@ -180,27 +197,26 @@ static gp_status check_length(const struct walk *walk, uint64_t before,
     return gp_fail(walk->log, GP_ERR_DATA,
                    "%s: the EXR header lists too many %s (%llu or more; at "
                    "most %d, fewer in several parts); spread them over "
-                   "several files", walk->path, what, (unsigned long long) n,
-                   LIST_MOST);
+                   "several files",
+                   walk->in->path, what, (unsigned long long) n, LIST_MOST);
 }
 
 /* Walks all parts; sets index->tables where they end. */
 static gp_status walk_parts(struct walk *w)
 {
-    struct gp_exr_index *const index = w->index;
+    struct gp_exr_index *const index = w->in->index;
     struct gp_exr_attr a;
     uint64_t channels = 0, attributes = 0;
     size_t at = 8;
     gp_status st = GP_OK;
-    w->more = w->loaded <= at;
     index->parts = index->attrs = 0;
-    while (!w->more) {
+    while (has(w, at + 1)) {
         const size_t from = at;
         uint64_t n = 0;
         for (; index->bytes[at]; n++) {
             const size_t name = at;
             if (!read_attribute(w, &at, &a))
-                return GP_OK;
+                return w->st;
             GP_TRY(check_length(w, attributes, "attributes", n + 1));
             bool right = is_value(&a);
             if (strcmp(a.type, "chlist") == 0) {
@@ -211,12 +227,12 @@ static gp_status walk_parts(struct walk *w)
             if (!right)
                 return gp_fail(w->log, GP_ERR_DATA,
                                "%s: attribute %s is damaged (its value is no "
-                               "%s); copy or render the file again", w->path,
-                               plain((char *) index->bytes + name),
+                               "%s); copy or render the file again",
+                               w->in->path, plain((char *) index->bytes + name),
                                a.type);
             if (!index->type && index->flat && strcmp(a.name, "type") == 0)
                 index->type = name;
-            if (index->part)
+            if (w->in->each)
                 index->attr[(uint64_t) index->attrs + n] = a;
         }
         at++;
@@ -225,9 +241,11 @@ static gp_status walk_parts(struct walk *w)
         if (index->multi && n == 0)
             break;
         GP_TRY(check_length(w, 0, "parts", (uint64_t) index->parts + 1));
-        if (index->part)
-            index->part[index->parts] = (struct gp_exr_index_part) {
-                .from = from, .to = at, .attr = index->attr + index->attrs,
+        if (w->in->each)
+            w->in->each[index->parts] = (struct gp_exr_part) {
+                .from = from,
+                .to = at,
+                .attr = index->attr + index->attrs,
                 .attrs = (int) n,
             };
         attributes += n * n;
@@ -235,45 +253,29 @@ static gp_status walk_parts(struct walk *w)
         index->parts++;
         if (!index->multi)
             break;
-        w->more = at >= w->loaded;
     }
+    st = w->st;
 out:
     return st;
 }
 
 /* Fills the index. GP_OK also of a damaged header (tables is 0 then): the
  * library's message says more. */
-static gp_status index_header(const struct gp_log *log, const char *path,
-                              const struct gp_stream *s,
-                              struct gp_exr_index *out)
+static gp_status index_header(const struct gp_log *log, struct gp_input *in)
 {
-    enum { FIRST = 4096 }; // most headers
-    struct walk w = {.log = log, .path = path, .stream = s, .index = out};
-    gp_status st = GP_OK;
-    for (w.more = true; w.more && w.loaded < s->size;) {
-        const uint64_t room = w.loaded ? 2 * w.loaded : FIRST;
-        const uint64_t end = room < s->size ? room : s->size;
-        void *block = out->bytes;
-        GP_TRY(gp_resize(log, path, end, &block));
-        out->bytes = block;
-        const int64_t got = gp_stream_read(s, out->bytes + w.loaded,
-                                           end - w.loaded, w.loaded);
-        if (got < 0)
-            GP_TRY(gp_stream_failed(log, path));
-        if (got <= 0) // a file that has become shorter
-            break;
-        w.loaded += (size_t) got;
-        const uint32_t flags = w.loaded > 8 ? gp_le32(out->bytes + 4) : 0;
-        out->multi = flags & GP_EXR_MULTIPART;
-        out->flat = !(flags & (GP_EXR_DEEP | GP_EXR_MULTIPART));
-        GP_TRY(walk_parts(&w));
-    }
+    struct walk w = {.log = log, .in = in};
+    struct gp_exr_index *const out = in->index;
+    const uint32_t flags = has(&w, 8) ? gp_le32(out->bytes + 4) : 0;
+    gp_status st;
+    out->multi = flags & GP_EXR_MULTIPART;
+    out->flat = !(flags & (GP_EXR_DEEP | GP_EXR_MULTIPART));
+    GP_TRY(walk_parts(&w));
     if (out->parts == 0)
         out->tables = 0;
     if (out->tables) {
-        GP_TRY(gp_alloc(log, path, (size_t) out->parts, sizeof *out->part,
-                        &out->part));
-        GP_TRY(gp_alloc(log, path, (size_t) out->attrs, sizeof *out->attr,
+        GP_TRY(gp_alloc(log, in->path, (size_t) out->parts, sizeof *in->each,
+                        &in->each));
+        GP_TRY(gp_alloc(log, in->path, (size_t) out->attrs, sizeof *out->attr,
                         &out->attr));
         GP_TRY(walk_parts(&w));
     }
@@ -281,9 +283,8 @@ out:
     return st;
 }
 
-const struct gp_exr_attr *
-gp_exr_attr_find(const struct gp_exr_index_part *part, const char *name,
-                 const char *type)
+const struct gp_exr_attr *gp_exr_attr_find(const struct gp_exr_part *part,
+                                           const char *name, const char *type)
 {
     for (int i = 0; part && i < part->attrs; i++) {
         const struct gp_exr_attr *a = &part->attr[i];
@@ -372,6 +373,34 @@ static void keep_reason(exr_const_context_t ctxt, exr_result_t code,
     (void) plain(in->reason);
 }
 
+/* Describes a part by the library. */
+static void describe(const struct gp_input *in, int number,
+                     struct gp_exr_part *part)
+{
+    static const exr_attr_chlist_t none;
+    exr_storage_t storage;
+    int32_t n;
+    if (exr_get_name(in->exr, number, &part->name) ||
+        (part->name && !*part->name))
+        part->name = NULL;
+    if (exr_attr_get_string(in->exr, number, "view", &n, &part->view))
+        part->view = NULL;
+    if (exr_get_channels(in->exr, number, &part->channel))
+        part->channel = &none;
+    part->deep = exr_get_storage(in->exr, number, &storage) ||
+                 storage == EXR_STORAGE_DEEP_SCANLINE ||
+                 storage == EXR_STORAGE_DEEP_TILED;
+    if (!exr_get_chunk_count(in->exr, number, &n) && n > 0)
+        part->chunks = n;
+    part->layer = part->name ? part->name : "";
+    const size_t all = strlen(part->layer);
+    const size_t end = part->view ? strlen(part->view) : 0;
+    const bool ends = end > 0 && all >= end + 2 &&
+                      strcmp(part->layer + all - end, part->view) == 0 &&
+                      strchr("._", part->layer[all - end - 1]);
+    part->length = ends ? all - end - 1 : all;
+}
+
 /* Parses the header with the library, and finds the offset tables. */
 static gp_status parse_header(const struct gp_log *log, const char *path,
                               struct gp_input *in)
@@ -403,11 +432,9 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
                        "or render the file again", path, why);
     uint64_t at = index->tables;
     for (int i = 0; i < in->parts; i++) {
-        struct gp_exr_index_part *const part = &index->part[i];
-        int32_t chunks;
+        struct gp_exr_part *const part = &in->each[i];
+        describe(in, i, part);
         part->table = at;
-        if (!exr_get_chunk_count(in->exr, i, &chunks) && chunks > 0)
-            part->chunks = chunks;
         at += (uint64_t) part->chunks * sizeof(uint64_t);
     }
     index->chunks = (at - index->tables) / sizeof(uint64_t);
@@ -420,8 +447,8 @@ bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
                          uint64_t *offset)
 {
     const uint64_t bytes = (uint64_t) n * sizeof *offset;
-    const uint64_t at = in->index->part[part].table +
-                        (uint64_t) first * sizeof *offset;
+    const uint64_t at =
+        in->each[part].table + (uint64_t) first * sizeof *offset;
     const bool whole =
         gp_exr_read_bytes(&in->stream, offset, bytes, at) == (int64_t) bytes;
     if (whole && in->index->rebuilt)
@@ -442,7 +469,7 @@ uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
     uint64_t size, deep_size[2];
     if (exr_get_storage(in->exr, part, &storage))
         return 0;
-    const bool deep = gp_exr_is_deep(in, part);
+    const bool deep = in->each[part].deep;
     const bool tiled = storage == EXR_STORAGE_TILED ||
                        storage == EXR_STORAGE_DEEP_TILED;
     const size_t head = (in->index->multi ? 4u : 0u) + (tiled ? 16u : 4u);
@@ -470,7 +497,7 @@ uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
 static uint64_t find_end(const struct gp_input *in)
 {
     enum { BLOCK = 512 };
-    const struct gp_exr_index_part *const end = &in->index->part[in->parts - 1];
+    const struct gp_exr_part *const end = &in->each[in->parts - 1];
     uint64_t offset[BLOCK], last = 0;
     const uint64_t tables =
         end->table + (uint64_t) end->chunks * sizeof *offset;
@@ -478,7 +505,7 @@ static uint64_t find_end(const struct gp_input *in)
     if (tables > in->stream.size)
         return tables;
     for (int p = 0; p < in->parts; p++) {
-        const int chunks = in->index->part[p].chunks;
+        const int chunks = in->each[p].chunks;
         if (chunks < 1)
             return 0;
         for (int i = 0; i < chunks; i += BLOCK) {
@@ -519,7 +546,7 @@ static int64_t chunk_place(const struct gp_input *in, uint64_t offset,
     if (*part < 0 || *part >= in->parts ||
         exr_get_data_window(in->exr, *part, &data))
         return -1;
-    const struct gp_exr_index_part *const p = &in->index->part[*part];
+    const struct gp_exr_part *const p = &in->each[*part];
     int64_t k;
     if (exr_get_scanlines_per_chunk(in->exr, *part, &lines) == 0 && lines > 0) {
         k = ((int64_t) number[1] - data.min.y) / lines;
@@ -587,8 +614,11 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
     }
     in->stream = *stream;
     *stream = (struct gp_stream) GP_STREAM_EMPTY;
+    in->path = gp_strdup(path);
+    if (!in->path)
+        GP_TRY(gp_no_memory(log, path));
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &in->index));
-    GP_TRY(index_header(log, path, &in->stream, in->index));
+    GP_TRY(index_header(log, in));
     GP_TRY(parse_header(log, path, in));
     // also parts and levels that are not read must be whole
     in->end = find_end(in);
@@ -618,10 +648,11 @@ void gp_input_free(void *input)
     if (in->index) {
         gp_free(in->index->bytes);
         gp_free(in->index->rebuilt);
-        gp_free(in->index->part);
         gp_free(in->index->attr);
     }
     gp_free(in->index);
+    gp_free(in->each);
+    gp_free(in->path);
     gp_free(in);
 }
 

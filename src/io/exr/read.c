@@ -12,7 +12,6 @@
 /* State while a frame is read. */
 struct reading {
     const struct gp_log *log;
-    const char *path;
     struct gp_frame *f;
     struct gp_exr_chunks chunks; // borrowed
     const struct gp_exr_choice *choice;
@@ -94,9 +93,11 @@ static gp_status check_sampling(const struct reading *r)
         const bool chroma = colour->model == GP_COLOUR_YC && k != 1;
         if (xs != ys || xs > (chroma ? 2 : 1) ||
             (chroma && first && first != xs))
-            return gp_fail(r->log, GP_ERR_DATA,
+            return gp_fail(
+                r->log, GP_ERR_DATA,
                 "%s: colour channel %s is subsampled (%d x %d); write it at "
-                "full resolution", r->path, e->name.str, xs, ys);
+                "full resolution",
+                r->f->path, e->name.str, xs, ys);
         first = chroma ? xs : first;
     }
     return GP_OK;
@@ -191,12 +192,12 @@ static gp_status flatten(struct reading *r, const struct gp_exr_deep *deep)
                            "%s: deep data without %s (part "
                            "%d) has no picture; render it, or flatten the file "
                            "with e.g. oiiotool --flatten",
-                           r->path, i ? "A" : "Z", r->choice->part);
+                           r->f->path, i ? "A" : "Z", r->choice->part);
         if (all[i] >= 0 && list->entries[all[i]].pixel_type == EXR_PIXEL_UINT)
             return gp_fail(r->log, GP_ERR_DATA,
                            "%s: deep channel %s is of whole "
                            "numbers (part %d); write floats",
-                           r->path, list->entries[all[i]].name.str,
+                           r->f->path, list->entries[all[i]].name.str,
                            r->choice->part);
     }
     struct gp_deep d = {
@@ -230,26 +231,28 @@ static gp_status flatten(struct reading *r, const struct gp_exr_deep *deep)
 
 /* The frame of one part and its colour, without an input. */
 static gp_status read_choice(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, const struct gp_input *in,
-    const struct gp_exr_choice *choice, struct gp_frame *out)
+                             const struct gp_read_params *p,
+                             const struct gp_input *in,
+                             const struct gp_exr_choice *choice,
+                             struct gp_frame *out)
 {
     gp_status st;
     struct gp_frame f = {.model = choice->colour.model, .colour_type = GP_HALF};
     struct gp_exr_deep deep = {.first = NULL};
-    struct reading r = {.log = log, .path = path, .f = &f, .choice = choice};
-    const bool is_deep = gp_exr_is_deep(in, choice->part) &&
+    struct reading r = {.log = log, .f = &f, .choice = choice};
+    const bool is_deep = in->each[choice->part].deep &&
                          f.model != GP_COLOUR_YC &&
                          choice->colour.index[0] >= 0;
-    GP_TRY(is_deep ? gp_exr_deep_read(log, path, in, choice->part,
-                                      p->max_pixels, &deep)
-                   : gp_exr_chunks_find(log, path, in, choice->part, false,
-                                        p->max_pixels, &deep.part));
+    GP_TRY(is_deep
+               ? gp_exr_deep_read(log, in, choice->part, p->max_pixels, &deep)
+               : gp_exr_chunks_find(log, in, choice->part, false, p->max_pixels,
+                                    &deep.part));
     r.chunks = deep.part;
     gp_exr_frame_header(&r.chunks, &f);
-    GP_TRY(gp_window_check(log, path, "display",
-           (int64_t) f.display.x1 - f.display.x0,
-           (int64_t) f.display.y1 - f.display.y0, p->max_pixels));
-    GP_TRY(gp_frame_make(log, path, r.chunks.channel->num_channels, &f));
+    GP_TRY(gp_window_check(
+        log, in->path, "display", (int64_t) f.display.x1 - f.display.x0,
+        (int64_t) f.display.y1 - f.display.y0, p->max_pixels));
+    GP_TRY(gp_frame_make(log, in->path, r.chunks.channel->num_channels, &f));
     GP_TRY(is_deep ? flatten(&r, &deep) : read_flat(&r));
     if (!is_deep && f.model != GP_COLOUR_YC)
         gp_frame_fill(&f, choice->colour.index);
@@ -269,9 +272,9 @@ gp_status gp_read_exr(const struct gp_log *log, const struct gp_read_params *p,
     struct gp_input *in = NULL;
     struct gp_exr_choice choice;
     GP_TRY(gp_exr_open(log, path, stream, &in));
-    GP_TRY(gp_exr_choose(log, p, path, in, 0, &choice));
+    GP_TRY(gp_exr_choose(log, p, in, 0, &choice));
     in->part = choice.part;
-    GP_TRY(read_choice(log, p, path, in, &choice, out));
+    GP_TRY(read_choice(log, p, in, &choice, out));
     out->input = in;
     out->input_free = gp_input_free;
     return GP_OK;
@@ -286,10 +289,9 @@ out:
 static bool holds_choice(const struct gp_frame *f,
                          const struct gp_exr_choice *choice)
 {
-    bool all = choice->part == f->part &&
-               choice->colour.model != GP_COLOUR_YC &&
-               gp_exr_channels(gp_input_of(f), f->part)->num_channels ==
-                   f->channels;
+    bool all =
+        choice->part == f->part && choice->colour.model != GP_COLOUR_YC &&
+        gp_input_of(f)->each[f->part].channel->num_channels == f->channels;
     for (int k = 0; all && k < 3; k++) {
         const int i = choice->colour.index[k];
         all = i < 0 || (f->channel[i].data && f->channel[i].xs == 1 &&
@@ -340,17 +342,16 @@ gp_status gp_read_layer(const struct gp_log *log,
     struct gp_frame frame = {0};
     exr_attr_box2i_t d;
     gp_status st;
-    if (!in || !in->exr)
+    if (!in)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: only EXR files have layers beside the frame; "
                        "convert it, with e.g. oiiotool", f->path);
     // in the view that is asked for; else in that of f's part first, since a
     // layer of the other eye is the last that is meant
-    q.view = p->view ? p->view : gp_exr_part_view(in, f->part);
-    if (p->view || !q.view ||
-        gp_exr_choose(NULL, &q, f->path, in, f->part, &choice)) {
+    q.view = p->view ? p->view : in->each[f->part].view;
+    if (p->view || !q.view || gp_exr_choose(NULL, &q, in, f->part, &choice)) {
         q.view = p->view;
-        GP_TRY(gp_exr_choose(log, &q, f->path, in, f->part, &choice));
+        GP_TRY(gp_exr_choose(log, &q, in, f->part, &choice));
     }
     if (exr_get_data_window(in->exr, choice.part, &d) ||
         d.min.x != f->data.x0 || d.min.y != f->data.y0 ||
@@ -359,9 +360,8 @@ gp_status gp_read_layer(const struct gp_log *log,
                        "%s: the data window of %s (part %d) is not that of the "
                        "frame (part %d); render both with one window", f->path,
                        layer ? layer : "the view", choice.part, f->part));
-    GP_TRY(holds_choice(f, &choice)
-               ? copy_layer(log, f, &choice.colour, &frame)
-               : read_choice(log, p, f->path, in, &choice, &frame));
+    GP_TRY(holds_choice(f, &choice) ? copy_layer(log, f, &choice.colour, &frame)
+                                    : read_choice(log, p, in, &choice, &frame));
     frame.input = in;
     *out = frame;
     return GP_OK;

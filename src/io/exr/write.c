@@ -34,7 +34,7 @@ struct fit {
  * the planes. Free with free_part(). */
 struct part {
     const struct gp_frame *f; // its windows; NULL: the input's part as it is
-    const struct gp_exr_index_part *own; // of the input, or NULL
+    const struct gp_exr_part *own; // of the input, or NULL
     struct gp_exr_image img;  // owned: its list
     void **owned;             // names, alpha and planes that were made for it
     int n_owned;
@@ -344,7 +344,7 @@ static bool loses(enum gp_compression compression, enum gp_pixel_type type,
 struct writing {
     const struct gp_log *log;
     const struct gp_write_params *p;
-    const char *path, *from;
+    const char *path;
     const struct gp_input *in; // NULL: not of an EXR
     enum gp_exr_kept kept;
     struct part *part; // those of the input, or one
@@ -360,7 +360,7 @@ struct writing {
 static void plan_part(struct writing *w, struct part *part, int *chunks)
 {
     enum gp_compression c = w->p->compression;
-    part->own = w->in ? &w->in->index->part[part->f->part] : NULL;
+    part->own = w->in ? &w->in->each[part->f->part] : NULL;
     if (c == GP_COMPRESSION_AUTO) { // the input's, when that loses nothing
         const struct gp_exr_attr *const a =
             gp_exr_attr_find(part->own, "compression", "compression");
@@ -392,13 +392,13 @@ static void plan_part(struct writing *w, struct part *part, int *chunks)
  * that was converted to others, those of one that was not are left out. */
 static void put_other_part(struct writing *w, int number)
 {
-    const struct gp_exr_index *const index = w->in->index;
-    const struct gp_exr_index_part *const part = &index->part[number];
+    const uint8_t *const bytes = w->in->index->bytes;
+    const struct gp_exr_part *const part = &w->in->each[number];
     const float *const converted = w->kept == GP_EXR_KEEP_CONVERTED
                                   ? w->p->primaries : NULL;
     const struct gp_exr_attr *const own =
         gp_exr_attr_find(part, "chromaticities", "chromaticities");
-    const uint8_t *from = index->bytes + part->from;
+    const uint8_t *from = bytes + part->from;
     if (converted && own && memcmp(own->data, converted, own->size) != 0) {
         gp_say(w->log, GP_LEVEL_WARN, "%s: part %d is not converted, and loses "
                "its chromaticities, in which the parts of a file may not "
@@ -407,7 +407,7 @@ static void put_other_part(struct writing *w, int number)
                        (size_t) ((const uint8_t *) own->name - from));
         from = own->data + own->size;
     }
-    gp_exr_put_raw(&w->out, from, (size_t) (index->bytes + part->to - from));
+    gp_exr_put_raw(&w->out, from, (size_t) (bytes + part->to - from));
 }
 
 /* Counts the light that the file cannot hold, and says so where it is much. */
@@ -450,8 +450,8 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
             plan_part(w, &w->part[i], &w->chunks[i]);
             continue;
         }
-        w->chunks[i] = in->index->part[i].chunks;
-        flags |= gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
+        w->chunks[i] = in->each[i].chunks;
+        flags |= in->each[i].deep ? GP_EXR_DEEP : 0;
     }
     GP_TRY(
         gp_file_open(w->log, w->path, w->p->create_dir, w->p->fsync, &w->file));
@@ -470,7 +470,7 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
     for (int i = 0; i < w->parts; i++)
         GP_TRY(w->part[i].f
                    ? gp_exr_encode(&w->out, i, &w->part[i].img, &w->clamped)
-                   : gp_exr_out_copy(&w->out, i, w->from, in, i));
+                   : gp_exr_out_copy(&w->out, i, in, i));
     GP_TRY(gp_exr_out_end(&w->out));
     GP_TRY(gp_file_commit(&w->file));
     count_fits(w, stats);
@@ -580,7 +580,10 @@ gp_status gp_write_hdr(const struct gp_log *log,
 {
     const struct gp_input *const in = gp_input_of(set[0].f);
     struct writing w = {
-        .log = log, .p = p, .path = path, .from = set[0].f->path, .in = in,
+        .log = log,
+        .p = p,
+        .path = path,
+        .in = in,
         .kept = p->converted ? GP_EXR_KEEP_CONVERTED : GP_EXR_KEEP_ALL,
     };
     struct gp_crypto crypto;
@@ -605,10 +608,11 @@ gp_status gp_write_hdr(const struct gp_log *log,
             if (s->data && loses(p->compression, s->type, s->name) &&
                 gp_exr_crypto_channel(&crypto, in, number, s->name) ==
                     GP_CRYPTO_IDS)
-                GP_TRY(gp_fail(log, GP_ERR_USAGE,
-                       "%s: this compression would change the Cryptomatte ids "
-                       "of %s (channel %s); use --compression zip", path,
-                       w.from, s->name));
+                GP_TRY(gp_fail(
+                    log, GP_ERR_USAGE,
+                    "%s: this compression would change the Cryptomatte ids "
+                    "of %s (channel %s); use --compression zip",
+                    path, set[0].f->path, s->name));
         }
     }
     st = write_file(&w, stats);

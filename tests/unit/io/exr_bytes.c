@@ -40,7 +40,7 @@ static void write_with(const struct fixture *f, int part, const char name[5],
     size_t all;
     uint8_t *bytes = fixture_make(f, &all), head[64];
     struct gp_input *const in = open_bytes(bytes, all);
-    const size_t at = in->index->part[part].to - 1;
+    const size_t at = in->each[part].to - 1;
     const size_t named = sizeof "shot" + strlen(type) + 1, more = named + 4;
     snprintf((char *) head, sizeof head, "%s%c%s", name, 0, type);
     memcpy(head + named, &size, 4);
@@ -280,7 +280,7 @@ static void tables_never_written(void **state)
         assert_int_equal(in->end, row[i].found ? size : 0);
         uint64_t at = 0;
         for (int p = 0; p < in->parts && row[i].found; p++) {
-            const int chunks = in->index->part[p].chunks;
+            const int chunks = in->each[p].chunks;
             assert_true(gp_exr_offsets_read(in, p, 0, chunks, got + at));
             at += (uint64_t) chunks;
         }

@@ -225,8 +225,9 @@ static void make_parts(const char *path, const struct gp_frame *f,
 }
 
 /* Each attribute of `a` but the first n of `but` is in `b`, bit by bit. */
-static void assert_attributes(const struct gp_exr_index_part *a,
-    const struct gp_exr_index_part *b, const char *const *but, int n)
+static void assert_attributes(const struct gp_exr_part *a,
+                              const struct gp_exr_part *b,
+                              const char *const *but, int n)
 {
     for (int i = 0; i < a->attrs; i++) {
         const struct gp_exr_attr *p = &a->attr[i];
@@ -312,7 +313,7 @@ static void make_attributes(const char *path, const struct gp_frame *f)
     const struct gp_exr_image img = colour_of(f, GP_FLOAT,
                                               GP_COMPRESSION_PXR24, source);
     const int chunks = gp_exr_chunk_count(&img);
-    const struct gp_exr_index_part own = {.attr = attr, .attrs = COUNT(attr)};
+    const struct gp_exr_part own = {.attr = attr, .attrs = COUNT(attr)};
     struct gp_file *file;
     struct gp_exr_out out;
     assert_ok(gp_file_open(&kept_all, path, false, false, &file));
@@ -332,12 +333,12 @@ static void attributes(void **state)
     struct gp_frame made = wf_sized(20, 20, wf_rgb);
     make_attributes(wf_path("in.exr"), &made);
     struct gp_frame a = wf_read_back("in.exr");
-    const struct gp_exr_index_part *const from = gp_input_of(&a)->index->part;
+    const struct gp_exr_part *const from = gp_input_of(&a)->each;
     for (int i = 0; i < 3; i++) {
         assert_ok(i == 0 ? wf_write_hdr(NULL, "out.exr", &a) : wf_write(NULL,
             "out.exr", &a, i == 1 ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN));
         struct gp_frame b = wf_read_back("out.exr");
-        const struct gp_exr_index_part *const to = gp_input_of(&b)->index->part;
+        const struct gp_exr_part *const to = gp_input_of(&b)->each;
         assert_attributes(from, to, own, n[i]);
         // none came twice, or from nowhere; compression is there, others not
         assert_int_equal(to->attrs, from->attrs - n[i] + 1);

@@ -58,12 +58,11 @@ static void layer_of_a_part(void **state)
     for (size_t i = 0; i < COUNT(row); i++) {
         const struct fixture_part part = PART(row[i].name, RGB(HALVES));
         struct gp_frame frame;
-        const char *name;
         say = (struct attributes) {.own = row[i].view};
         open_parts(&part, 1, &frame);
-        const size_t n = gp_exr_part_layer(gp_input_of(&frame), 0, &name);
-        assert_int_equal(n, strlen(row[i].layer));
-        assert_memory_equal(name, row[i].layer, n);
+        const struct gp_exr_part *const own = gp_input_of(&frame)->each;
+        assert_int_equal(own->length, strlen(row[i].layer));
+        assert_memory_equal(own->layer, row[i].layer, own->length);
         gp_frame_free(&frame);
     }
 }
