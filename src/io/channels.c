@@ -19,18 +19,18 @@ size_t gp_layer_length(const char *name)
     return dot ? (size_t) (dot - name) + 1 : 0;
 }
 
-bool gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
+void gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
                          const char *name)
 {
     const size_t used = strlen(to), room = GP_CHANNEL_LIST - used;
     const size_t more = strlen(name) + (part ? strlen(part) : 0);
-    if (more + 10 > room) { // two dots and commas, and those of the cut
+    if (used >= 3 && strcmp(to + used - 3, "...") == 0)
+        return;
+    if (more + 10 > room) // two dots and commas, and those of the cut
         snprintf(to + used, room, ", ...");
-        return false;
-    }
-    snprintf(to + used, room, "%s%s%s%s", used ? ", " : "", part ? part : "",
-             part ? "." : "", name);
-    return true;
+    else
+        snprintf(to + used, room, "%s%s%s%s", used ? ", " : "",
+                 part ? part : "", part ? "." : "", name);
 }
 
 size_t gp_last_part(const char *name, size_t n)
@@ -229,18 +229,14 @@ static int find_exact(const char *const *name, int n, const char *layer,
     return -1;
 }
 
-/* Finds the members of a set of three in a layer; returns how many. With
- * `together` those of a layer follow each other: a file may have thousands. */
-static int find_three(const char *const *name, int n, int i, const char *layer,
-                      size_t len, bool together, int index[3])
+/* Finds the members of a set of three in a layer; returns how many. */
+static int find_three(const char *const *name, int n, const char *layer,
+                      size_t len, int index[3])
 {
     int letter[3] = {-1, -1, -1}, word[3] = {-1, -1, -1}, found[2] = {0, 0};
-    for (; i < n; i++) {
-        if (strncmp(name[i], layer, len) != 0) {
-            if (together && name[i][0])
-                break;
+    for (int i = 0; i < n; i++) {
+        if (strncmp(name[i], layer, len) != 0)
             continue;
-        }
         const char *const last = name[i] + len;
         const bool one = last[0] && !last[1];
         for (int c = 0; c < 3; c++) {
@@ -272,7 +268,7 @@ static bool find_set(const char *const *name, int n, const char *layer,
     int y = find_exact(name, n, layer, len, "Y");
     int ry = find_exact(name, n, layer, len, "RY");
     int by = find_exact(name, n, layer, len, "BY");
-    if (find_three(name, n, 0, layer, len, false, rgb.index) > 0) {
+    if (find_three(name, n, layer, len, rgb.index) > 0) {
         *out = rgb;
         return true;
     }
@@ -304,8 +300,7 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
         const bool picture = is_called(last, len - 1, pictures,
                                        sizeof pictures / sizeof *pictures);
         int at[3];
-        if ((found && !picture) ||
-            find_three(name, n, i, name[i], len, true, at) < 3)
+        if ((found && !picture) || find_three(name, n, name[i], len, at) < 3)
             continue;
         *out = (struct gp_colour_choice) {GP_COLOUR_RGB,
                                           {at[0], at[1], at[2]}};

@@ -97,9 +97,9 @@ bool gp_is_light(const char *layer, size_t len);
 bool gp_channel_is_depth(const struct gp_frame *f, int channel);
 
 /* Adds a channel's name, as PART.NAME where `part` is not NULL, to a list with
- * commas, which starts as "". False: it is full and ends with "...". */
+ * commas, which starts as ""; one that is full ends with "...". */
 enum { GP_CHANNEL_LIST = 1500 };
-bool gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
+void gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
                          const char *name);
 
 /* Samples of a channel at full resolution as float, w * h of the frame, into

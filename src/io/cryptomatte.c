@@ -71,7 +71,6 @@ struct reading {
     size_t ids, room;            // gp_resize()
     atomic_bool *seen;           // a pixel has the id
     char names[GP_CHANNEL_LIST]; // that are taken
-    bool cut;                    // ... and more
 };
 
 /* Splits the list into wishes. */
@@ -148,7 +147,7 @@ static gp_status add_id(struct reading *c, const char *name)
         c->id = block;
     }
     c->id[c->ids++] = id_of(name);
-    c->cut = c->cut || !gp_channel_list_add(c->names, NULL, name);
+    gp_channel_list_add(c->names, NULL, name);
     return GP_OK;
 }
 

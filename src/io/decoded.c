@@ -164,10 +164,8 @@ static gp_status choose_colour(const struct gp_log *log, const char *layer,
             out->model != GP_COLOUR_YC)
             return GP_OK;
     }
-    for (int i = 0; i < image->channels; i++) {
-        if (!gp_channel_list_add(list, NULL, name[i]))
-            break;
-    }
+    for (int i = 0; i < image->channels; i++)
+        gp_channel_list_add(list, NULL, name[i]);
     return gp_fail(log, GP_ERR_USAGE,
                    "%s: has no layer %.200s (channels: %s); give one of its "
                    "layers", image->path, layer, list);

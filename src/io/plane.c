@@ -180,11 +180,9 @@ static void list_names(const struct list *list,
     for (int p = 0; p < list->parts; p++) {
         const struct part *part = &list->part[p];
         const bool plain = part->colour || list->parts == 1;
-        for (int i = 0; i < part->channels && !part->inner; i++) {
-            if (!gp_channel_list_add(to, plain ? NULL : part->name,
-                                     part->channel[i].name))
-                return;
-        }
+        for (int i = 0; i < part->channels && !part->inner; i++)
+            gp_channel_list_add(to, plain ? NULL : part->name,
+                                part->channel[i].name);
     }
 }
 

@@ -210,9 +210,10 @@ gp_status gp_read_image(const struct gp_log *log,
                                   p->max_pixels, out);
 }
 
-gp_status gp_read_stream(const struct gp_log *log,
-                         const struct gp_read_params *p, const char *path,
-                         struct gp_stream *stream, struct gp_frame *out)
+/* gp_read_frame() for an open stream, which it takes over. */
+static gp_status read_stream(const struct gp_log *log,
+                             const struct gp_read_params *p, const char *path,
+                             struct gp_stream *stream, struct gp_frame *out)
 {
     gp_status st;
     struct gp_decoded image = {0};
@@ -247,7 +248,7 @@ gp_status gp_read_frame(const struct gp_log *log,
     struct gp_stream stream;
     bool exr;
     gp_status st = gp_read_open(log, p, path, &stream, &exr);
-    return st ? st : gp_read_stream(log, p, path, &stream, out);
+    return st ? st : read_stream(log, p, path, &stream, out);
 }
 
 bool gp_read_has_end(const char *path)
@@ -372,35 +373,10 @@ gp_status gp_members_frame(const struct gp_log *log,
 {
     struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
                                          m->member[i].size);
-    return gp_read_stream(log, p, name, &view, out);
+    return read_stream(log, p, name, &view, out);
 }
 
 // -- the alpha of a picture ---------------------------------------------------
-
-static gp_status take_alpha(const struct gp_log *log,
-                            const struct gp_decoded *image,
-                            struct gp_coverage *out)
-{
-    struct gp_coverage a = {1, 1, NULL};
-    int channel = image->channels - 1;
-    while (channel >= 0 && strcmp(image->channel_name[channel], "A") != 0)
-        channel--;
-    if (channel >= 0) {
-        a.w = gp_rect_w(image->data);
-        a.h = gp_rect_h(image->data);
-    }
-    const size_t texels = (size_t) a.w * (size_t) a.h;
-    const gp_status st = gp_alloc(log, image->path, texels, sizeof *a.code,
-                                  &a.code);
-    if (st)
-        return st;
-    a.code[0] = GP_COVERED;
-    const float *v = image->pixels + channel;
-    for (size_t i = 0; i < texels && channel >= 0; i++, v += image->channels)
-        a.code[i] = (uint16_t) (gp_clamp01(*v) * (float) GP_COVERED + 0.5f);
-    *out = a;
-    return GP_OK;
-}
 
 gp_status gp_read_coverage(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const void *bytes,
@@ -409,13 +385,27 @@ gp_status gp_read_coverage(const struct gp_log *log,
     struct gp_read_params limits = gp_read_limits(p);
     struct gp_stream stream = gp_stream_of(bytes, n);
     struct gp_decoded image = {0};
+    struct gp_coverage a = {1, 1, NULL};
     gp_status st;
     if (limits.max_pixels > most)
         limits.max_pixels = most;
     if (!bytes)
         GP_TRY(gp_stream_open_regular(log, path, &stream));
     GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
-    GP_TRY(take_alpha(log, &image, out));
+    int channel = image.channels - 1;
+    while (channel >= 0 && strcmp(image.channel_name[channel], "A") != 0)
+        channel--;
+    if (channel >= 0) {
+        a.w = gp_rect_w(image.data);
+        a.h = gp_rect_h(image.data);
+    }
+    const size_t texels = (size_t) a.w * (size_t) a.h;
+    GP_TRY(gp_alloc(log, path, texels, sizeof *a.code, &a.code));
+    a.code[0] = GP_COVERED;
+    const float *v = image.pixels + channel;
+    for (size_t i = 0; i < texels && channel >= 0; i++, v += image.channels)
+        a.code[i] = (uint16_t) (gp_clamp01(*v) * (float) GP_COVERED + 0.5f);
+    *out = a;
 out:
     gp_decoded_close(&image);
     gp_stream_close(&stream);

@@ -172,7 +172,7 @@ static int by_key(const void *a, const void *b)
 /* Keeps the first of equal numbers, in the order they came. */
 static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
-    enum { PLACES = 1 << 20 }; // over GP_FRAME_LIST_MAX
+    const int64_t places = 1LL << 31; // longer than any list
     int64_t *key; // a number and its place
     const int n = f->n;
     const gp_status st = gp_alloc(log, "frame list", (size_t) n, sizeof *key,
@@ -180,11 +180,11 @@ static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
     if (st)
         return st;
     for (int i = 0; i < n; i++)
-        key[i] = (int64_t) f->number[i] * PLACES + i;
+        key[i] = f->number[i] * places + i;
     qsort(key, (size_t) n, sizeof *key, by_key);
     for (int i = 1; i < n; i++) {
-        if (key[i] >> 20 == key[i - 1] >> 20)
-            f->number[key[i] & (PLACES - 1)] = NO_FRAME;
+        if ((key[i] & -places) == (key[i - 1] & -places))
+            f->number[key[i] & (places - 1)] = NO_FRAME;
     }
     f->n = 0;
     for (int i = 0; i < n; i++) {
@@ -266,13 +266,7 @@ bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more)
     }
     if (all->n)
         qsort(all->number, (size_t) all->n, sizeof *all->number, ascending);
-    int kept = 0;
-    for (int i = 0; i < all->n; i++) {
-        if (i == 0 || all->number[i] != all->number[kept - 1])
-            all->number[kept++] = all->number[i];
-    }
-    all->n = kept;
-    return true;
+    return drop_repeats(NULL, all) == GP_OK;
 }
 
 // -- frames on disk ----------------------------------------------------------

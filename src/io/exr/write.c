@@ -167,12 +167,8 @@ static int count_owners(const struct group *g, int i)
     int n = 0;
     for (int k = 0; k < g->n; k++) {
         const struct gp_frame *const f = g->set[k].f;
-        // a frame with all channels has them in this order
-        const bool all = f->channels == g->complete->channels;
-        if (f->part != g->part)
-            continue;
-        for (int c = all ? i : 0; c < (all ? i + 1 : f->channels); c++)
-            n += f->channel[c].colour >= 0 &&
+        for (int c = 0; c < f->channels; c++)
+            n += f->part == g->part && f->channel[c].colour >= 0 &&
                  strcmp(f->channel[c].name, name) == 0;
     }
     return n;
@@ -633,7 +629,6 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
     struct gp_planes from = {0}, to = {0};
     struct gp_crypto crypto;
     char left[GP_CHANNEL_LIST] = "", converted[GP_CHANNEL_LIST] = "";
-    bool lists[2] = {true, true};
     const char **name = NULL; // of carried channels, "" of others
     gp_status st;
     GP_TRY(gp_alloc(log, "channels", (size_t) f->channels, sizeof *name,
@@ -667,7 +662,7 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
         if (!all)
             continue;
         if (!whole) {
-            lists[0] = lists[0] && gp_channel_list_add(left, NULL, red->name);
+            gp_channel_list_add(left, NULL, red->name);
             continue;
         }
         if (!from.c[0])
@@ -683,7 +678,7 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
             else
                 memcpy(data, to.c[c], n * sizeof(float));
         }
-        lists[1] = lists[1] && gp_channel_list_add(converted, NULL, red->name);
+        gp_channel_list_add(converted, NULL, red->name);
     }
     if (converted[0])
         gp_say(log, GP_LEVEL_INFO, "%s: converts the layers of %s too", f->path,

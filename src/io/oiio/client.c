@@ -19,7 +19,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -124,27 +123,22 @@ static int spawn(const char *program, int socket, pid_t *pid)
     sigset_t none, all;
     sigemptyset(&none);
     sigfillset(&all);
-    int error = posix_spawn_file_actions_init(&files);
-    if (error)
-        return error;
-    error = posix_spawnattr_init(&how);
-    if (!error) {
-        // signals as in a fresh process; and Ctrl-C is for glarepp, whose end
-        // is the helper's
-        posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK |
-                                           POSIX_SPAWN_SETSIGDEF |
-                                           POSIX_SPAWN_SETPGROUP);
-        posix_spawnattr_setsigmask(&how, &none);
-        posix_spawnattr_setsigdefault(&how, &all);
-        if (posix_spawn_file_actions_adddup2(&files, socket, 0) ||
-            posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY,
-                                             0) ||
-            posix_spawn_file_actions_adddup2(&files, 1, 2))
-            error = ENOMEM;
-        else
-            error = posix_spawn(pid, program, &files, &how, argv, environ);
-        posix_spawnattr_destroy(&how);
-    }
+    posix_spawn_file_actions_init(&files); // Linux: neither of both fails
+    posix_spawnattr_init(&how);
+    // signals as in a fresh process; and Ctrl-C is for glarepp, whose end is the
+    // helper's
+    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK |
+                                       POSIX_SPAWN_SETSIGDEF |
+                                       POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setsigmask(&how, &none);
+    posix_spawnattr_setsigdefault(&how, &all);
+    const bool full =
+        posix_spawn_file_actions_adddup2(&files, socket, 0) ||
+        posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0) ||
+        posix_spawn_file_actions_adddup2(&files, 1, 2);
+    const int error =
+        full ? ENOMEM : posix_spawn(pid, program, &files, &how, argv, environ);
+    posix_spawnattr_destroy(&how);
     posix_spawn_file_actions_destroy(&files);
     return error;
 }
@@ -467,9 +461,7 @@ gp_status gp_oiio_write(const struct gp_log *log,
         },
     };
     bool taken = false;
-    struct stat s;
-    void *text = NULL, *block = NULL;
-    char *why = NULL;
+    char *text = NULL, *why = NULL;
     size_t room = strlen(image->colour_space) + 1 + (size_t) image->channels;
     if (image->chromaticities)
         memcpy(ask.spec.chromaticities, image->chromaticities,
@@ -487,7 +479,7 @@ gp_status gp_oiio_write(const struct gp_log *log,
     to = stpcpy(to, image->colour_space) + 1;
     for (int i = 0; i < image->channels && types; i++)
         *to++ = (char) types[i];
-    ask.bytes = (uint32_t) (to - (char *) text);
+    ask.bytes = (uint32_t) (to - text);
     out->fd = memfd_create("glarepp", MFD_CLOEXEC);
     if (out->fd < 0)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot make a file in memory "
@@ -497,18 +489,13 @@ gp_status gp_oiio_write(const struct gp_log *log,
     helper.seconds = seconds_for(pixels->size);
     GP_TRY(call(log, path, &ask, text, (int[]) {out->fd, pixels->fd},
                 &reply, &why));
-    if (fstat(out->fd, &s) || s.st_size <= 0)
-        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote no bytes; write "
-                       "another format", path));
-    out->size = (uint64_t) s.st_size;
-    GP_TRY(gp_alloc(log, path, out->size, 1, &block));
-    const int64_t got = gp_stream_read(out, block, out->size, 0);
-    out->data = block;
-    if (got != s.st_size)
+    out->more = true; // from its start: the helper opened it anew
+    GP_TRY(gp_stream_fill(log, path, INT64_MAX, out));
+    if (!out->size)
         GP_TRY(gp_fail(log, GP_ERR_IO,
-                       "%s: cannot read the file in "
-                       "memory (%s); write .exr or .png",
-                       path, got < 0 ? strerror(errno) : "it is short"));
+                       "%s: OpenImageIO wrote no bytes; write "
+                       "another format",
+                       path));
 out:
     if (taken)
         pthread_mutex_unlock(&lock);
