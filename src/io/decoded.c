@@ -5,7 +5,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/channels.h"
-#include "io/io_priv.h"
 #include "core/half.h"
 #include "core/maths.h"
 

@@ -2,7 +2,6 @@
 #include "io/file.h"
 
 #include "core/memory.h"
-#include "io/io_priv.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -5,7 +5,6 @@
 
 #include "io/frame.h"
 #include "core/status.h"
-#include "io/exr/exr.h"
 #include "io/decoded.h"
 #include "io/read.h"
 #include "io/stream.h"

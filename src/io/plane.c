@@ -4,7 +4,6 @@
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/exr/exr.h"
-#include "io/io_priv.h"
 
 #include <limits.h>
 #include <stdio.h>

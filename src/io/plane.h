@@ -8,7 +8,6 @@
 #include "io/read.h"
 
 #include <stdbool.h>
-#include <stdint.h>
 
 /* Reads a plane beside a frame that gp_read_frame() read.
  *

@@ -4,7 +4,6 @@
 #include "core/bytes.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "io/channels.h"
 #include "io/exr/exr.h"
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"

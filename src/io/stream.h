@@ -6,7 +6,6 @@
 #include "core/status.h"
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 struct gp_stream {

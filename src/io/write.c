@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/write.h"
 
-#include "core/memory.h"
 #include "io/exr/exr.h"
 #include "io/file.h"
 #include "io/io_priv.h"

@@ -15,13 +15,9 @@
 #define GP_IO_OIIO_OIIO_H
 
 #include "core/bridge.h"
-#include "io/frame.h"
 #include "core/status.h"
 #include "io/decoded.h"
 #include "io/stream.h"
-#include "io/write.h"
-
-#include <stddef.h>
 
 /* -- reading --------------------------------------------------------------- */
 
