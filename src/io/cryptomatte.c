@@ -484,73 +484,38 @@ out:
 /* Planes of a layer, and the sum that they are added to. */
 struct adding {
     const struct reading *c;
-    struct gp_rect from, to, both; // windows; what they share
-    float *v[4];                   // of the layer, `from`; NULL: none
-    float *sum;                    // `to`
+    struct gp_rect both;      // the part of their window in the sum's
+    struct gp_plane plane[4]; // of the layer
+    float *sum;               // of the frame's window
 };
 
 static void add_row(void *ctx, int i, int thread)
 {
     const struct adding *const a = ctx;
-    const int y = a->both.y0 + i, n = gp_rect_w(a->both);
-    const size_t from =
-        (size_t) (y - a->from.y0) * (size_t) gp_rect_w(a->from) +
-        (size_t) (a->both.x0 - a->from.x0);
-    float *const sum = a->sum +
-                       (size_t) (y - a->to.y0) * (size_t) gp_rect_w(a->to) +
-                       (a->both.x0 - a->to.x0);
+    const struct gp_rect to = a->c->f->data, both = a->both;
+    const int y = both.y0 + i, n = gp_rect_w(both);
+    float *const sum =
+        gp_row(a->sum, gp_rect_w(to), y - to.y0) + (both.x0 - to.x0);
     (void) thread;
     for (int k = 0; k < 4; k += 2) {
-        for (int x = 0; a->v[k] && x < n; x++) {
-            const float cover = a->v[k + 1][from + (size_t) x];
+        const struct gp_plane *const id = &a->plane[k], *const cover = id + 1;
+        const size_t from =
+            (size_t) (y - id->window.y0) * (size_t) gp_rect_w(id->window) +
+            (size_t) (both.x0 - id->window.x0);
+        for (int x = 0; id->v && x < n; x++) {
+            const float share = cover->v[from + (size_t) x];
             const long long at =
-                cover > 0.0f
-                    ? find_id(a->c, gp_bits_of(a->v[k][from + (size_t) x]))
+                share > 0.0f
+                    ? find_id(a->c, gp_bits_of(id->v[from + (size_t) x]))
                     : -1;
             if (at < 0)
                 continue;
-            sum[x] += cover;
+            sum[x] += share;
             if (!atomic_load_explicit(&a->c->seen[at], memory_order_relaxed))
                 atomic_store_explicit(&a->c->seen[at], true,
                                       memory_order_relaxed);
         }
     }
-}
-
-/* Reads the planes of a layer: those of the frame's own part are in memory. */
-static gp_status read_rank(const struct reading *c, const struct rank *r,
-                           struct adding *a)
-{
-    const bool own = r->part == c->in->part;
-    struct gp_exr_chunks chunks = {0};
-    float **to = NULL;
-    gp_status st = GP_OK;
-    a->from = c->f->data;
-    if (!own) {
-        GP_TRY(gp_exr_chunks_find(c->log, c->in, r->part, false,
-                                  c->p->max_pixels, &chunks));
-        a->from = (struct gp_rect) {chunks.x0, chunks.y0, chunks.x0 + chunks.w,
-                                    chunks.y0 + chunks.h};
-        GP_TRY(gp_alloc_zero(c->log, "channels",
-                             (size_t) chunks.channel->num_channels, sizeof *to,
-                             &to));
-    }
-    for (int k = 0; k < 4; k++) {
-        if (r->channel[k & 2] < 0) // coverage without an id
-            continue;
-        GP_TRY(gp_alloc(c->log, "Cryptomatte", gp_rect_pixels(a->from),
-                        sizeof *a->v[k], &a->v[k]));
-        if (own)
-            gp_channel_floats(c->f, r->channel[k], a->v[k]);
-        else
-            to[r->channel[k]] = a->v[k];
-    }
-    if (!own)
-        st = gp_exr_decode_full(c->log, &chunks, false, to);
-out:
-    gp_free(to);
-    gp_exr_chunks_free(&chunks);
-    return st;
 }
 
 /* Adds up the layers of a type, then takes what is over `largest` into that. */
@@ -561,15 +526,24 @@ static gp_status add_type_up(const struct reading *c, const struct type *t,
     gp_status st = GP_OK;
     memset(sum, 0, n * sizeof *sum);
     for (int i = 0; i < RANKS && !st; i++) {
-        struct adding a = {.c = c, .to = c->f->data, .sum = sum};
-        if (!t->rank[i].there)
+        struct adding a = {.c = c, .sum = sum};
+        struct rank r = t->rank[i];
+        if (!r.there)
             continue;
-        st = read_rank(c, &t->rank[i], &a);
-        a.both = gp_rect_meet(a.from, a.to);
+        for (int k = 0; k < 4; k += 2) { // no coverage without an id
+            if (r.channel[k] < 0)
+                r.channel[k + 1] = -1;
+        }
+        st =
+            gp_read_channels(c->log, c->p, c->f, r.part, r.channel, 4, a.plane);
+        for (int k = 0; k < 4; k += 2) {
+            if (a.plane[k].v)
+                a.both = gp_rect_meet(a.plane[k].window, c->f->data);
+        }
         if (!st && !gp_rect_empty(a.both))
             gp_parallel_do(gp_rect_h(a.both), add_row, &a);
         for (int k = 0; k < 4; k++)
-            gp_free(a.v[k]);
+            gp_plane_free(&a.plane[k]);
     }
     for (size_t i = 0; i < n && !st; i++)
         largest[i] = gp_maxf(largest[i], gp_minf(sum[i], 1.0f));

@@ -18,15 +18,11 @@ enum kind { COVERAGE, DEPTH, MASK };       // of what is looked for
 /* One part and its channels, of which only names are used. */
 struct part {
     int number;              // in the file
-    const char *name;        // NULL when it has none; borrowed
-    const char *layer;       // its name without its view, of `length` bytes
-    size_t length;
+    const struct gp_exr_part *own; // of an EXR, else without a name; borrowed
     bool colour;             // it holds the frame's colour
     bool inner;              // the channels' names in the colour's view, "" for
                              // others; the part itself follows
-    bool deep;
     bool other;              // of another view than the colour's part
-    bool mist;               // its Z is not depth
     const char *by;          // a channel of the frame's colour, or NULL
     const struct gp_channel *channel;
     int channels;
@@ -42,6 +38,8 @@ struct list {
     int channels;                // of all parts
     const char **bare;           // names of an inner part; NULL: none
 };
+
+static const struct gp_exr_part unnamed = {.layer = ""};
 
 /* The result: a part of the list and a channel of it. Nothing when `part` is
  * NULL. */
@@ -88,22 +86,17 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
             const struct gp_exr_part *const from = &o->each[part];
             struct part to = {
                 .number = part,
-                .name = from->name,
-                .layer = from->layer,
-                .length = from->length,
+                .own = from,
                 .colour = colour && part == o->part,
-                .deep = from->deep,
-                .mist = gp_is_mist(from->layer, from->length),
+                .other = colour && gp_exr_other_view(o, part, o->part),
                 .channels = from->channel->num_channels,
             };
-            to.other = colour && gp_exr_other_view(o, part, o->part);
-            const bool plain = depth && !(to.name &&
-                                          strcasestr(to.name, "depth"));
-            const bool far =
-                n > 0 && !(to.name && strncmp(to.name, own->layer, n) == 0);
-            if ((to.colour
-                     ? -1
-                     : 8 * to.deep + 4 * to.other + 2 * plain + far) != order)
+            const char *const name = from->name ? from->name : "";
+            const bool plain = depth && !strcasestr(name, "depth");
+            const bool far = n > 0 && strncmp(name, own->layer, n) != 0;
+            if ((to.colour ? -1
+                           : 8 * from->deep + 4 * to.other + 2 * plain + far) !=
+                order)
                 continue;
             for (int inner = to.colour && view; inner >= 0; inner--) {
                 struct gp_channel *const channel =
@@ -112,10 +105,10 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
                 to.inner = inner;
                 to.by = colour;
                 for (int i = 0; i < to.channels; i++) {
-                    const char *const name = from->channel->entries[i].name.str;
+                    const char *const full = from->channel->entries[i].name.str;
                     channel[i].name =
-                        (char *) (uintptr_t) (inner ? list->bare[i] : name);
-                    if (inner && colour && strcmp(name, colour) == 0)
+                        (char *) (uintptr_t) (inner ? list->bare[i] : full);
+                    if (inner && colour && strcmp(full, colour) == 0)
                         to.by = list->bare[i];
                 }
                 list->part[list->parts++] = to;
@@ -138,6 +131,7 @@ static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
     } else {
         GP_TRY(alloc_list(log, 1, 0, list));
         list->part[list->parts++] = (struct part) {
+            .own = &unnamed,
             .colour = true,
             .by = gp_frame_colour(f),
             .channel = f->channel,
@@ -157,9 +151,10 @@ static bool find_exact(const struct list *list, const char *name,
 {
     for (int p = 0; p < list->parts; p++) {
         const struct part *part = &list->part[p];
-        const size_t n = in_part && part->name ? strlen(part->name) : 0;
-        if (in_part && (part->inner || n == 0 ||
-                        strncmp(name, part->name, n) != 0 || name[n] != '.'))
+        const char *const own = part->own->name;
+        const size_t n = in_part && own ? strlen(own) : 0;
+        if (in_part && (part->inner || n == 0 || strncmp(name, own, n) != 0 ||
+                        name[n] != '.'))
             continue;
         const char *const channel = name + (in_part ? n + 1 : 0);
         for (int i = 0; i < part->channels; i++) {
@@ -180,7 +175,7 @@ static void list_names(const struct list *list,
         const struct part *part = &list->part[p];
         const bool plain = part->colour || list->parts == 1;
         for (int i = 0; i < part->channels && !part->inner; i++)
-            gp_channel_list_add(to, plain ? NULL : part->name,
+            gp_channel_list_add(to, plain ? NULL : part->own->name,
                                 part->channel[i].name);
     }
 }
@@ -194,7 +189,7 @@ static gp_status search_depth(const struct gp_log *log, const struct list *list,
     int i = -1;
     for (int p = 0; p < list->parts && !st && i < 0; p++) {
         const struct part *const part = &list->part[p];
-        if (!part->mist)
+        if (!gp_is_mist(part->own->layer, part->own->length)) // a fog's factor
             st = gp_find_depth(log, list->path, part->channel, part->channels,
                                part->by, &i);
         if (i >= 0)
@@ -208,9 +203,9 @@ static void full_name(const struct list *list,
                       const struct part *part, const char *channel,
                       char to[FULL])
 {
-    const bool named = part->name && list->parts > 1 + list->part->inner;
-    snprintf(to, FULL, "%s%s%s", named ? part->name : "",
-             named ? "." : "", channel);
+    const bool named = part->own->name && list->parts > 1 + list->part->inner;
+    snprintf(to, FULL, "%s%s%s", named ? part->own->name : "", named ? "." : "",
+             channel);
 }
 
 /* True for depth of another view of the part, or of another layer around it
@@ -297,7 +292,7 @@ static gp_status pick(const struct gp_log *log, const struct list *list,
     if (at.part)
         at.part += at.part->inner;
     // warns of what the user of a frame may not expect
-    if (at.part && !own_file && at.part->deep) {
+    if (at.part && !own_file && at.part->own->deep) {
         gp_say(log, GP_LEVEL_WARN,
                "%s: only part %d has depth, and deep parts are not read; "
                "flatten it, with e.g. oiiotool --flatten", list->path,
@@ -339,22 +334,24 @@ static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
 
 /* -- from an EXR ---------------------------------------------------------- */
 
-/* One channel of one part, from the file. */
+/* Reads `n` channels of one part from the file; those below 0 stay empty. */
 static gp_status from_part(const struct gp_log *log,
                            const struct gp_read_params *p,
-                           const struct gp_input *o, const struct place *at,
-                           struct gp_plane *out)
+                           const struct gp_input *in, int part,
+                           const int *channel, int n, struct gp_plane *out)
 {
     gp_status st;
     float **to = NULL;
     struct gp_exr_chunks l;
-    GP_TRY(
-        gp_exr_chunks_find(log, o, at->part->number, false, p->max_pixels, &l));
-    GP_TRY(make_samples(log, (struct gp_rect) {l.x0, l.y0, l.x0 + l.w,
-                                               l.y0 + l.h}, out));
+    GP_TRY(gp_exr_chunks_find(log, in, part, false, p->max_pixels, &l));
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,
                          sizeof *to, &to));
-    to[at->channel] = out->v;
+    for (int k = 0; k < n; k++) {
+        if (channel[k] < 0)
+            continue;
+        GP_TRY(make_samples(log, l.window, &out[k]));
+        to[channel[k]] = out[k].v;
+    }
     GP_TRY(gp_exr_decode_full(log, &l, false, to));
 out:
     gp_free(to);
@@ -376,20 +373,28 @@ static void cut_plane(struct gp_rect window, struct gp_plane *p)
     p->window = window;
 }
 
-/* Reads the samples of a channel of a frame's file. */
-static gp_status read_samples(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f,
-    const struct place *at, struct gp_plane *out)
+gp_status gp_read_channels(const struct gp_log *log,
+                           const struct gp_read_params *p,
+                           const struct gp_frame *f, int part,
+                           const int *channel, int n, struct gp_plane *out)
 {
     // colour is read again from an EXR: its planes may be converted (luminance
     // and chroma) or cleaned of NaN
     const struct gp_input *const in = gp_input_of(f);
-    if (!at->part->colour || (!f->channel[at->channel].data && in))
-        return from_part(log, p, in, at, out);
-    const gp_status st = make_samples(log, f->data, out);
-    if (!st) {
-        gp_channel_floats(f, at->channel, out->v);
-        cut_plane(gp_frame_read(f), out);
+    bool held = part == f->part;
+    gp_status st = GP_OK;
+    for (int k = 0; k < n && held && in; k++)
+        held = channel[k] < 0 || f->channel[channel[k]].data;
+    if (!held)
+        return from_part(log, p, in, part, channel, n, out);
+    for (int k = 0; k < n && !st; k++) {
+        if (channel[k] < 0)
+            continue;
+        st = make_samples(log, f->data, &out[k]);
+        if (st)
+            break;
+        gp_channel_floats(f, channel[k], out[k].v);
+        cut_plane(gp_frame_read(f), &out[k]);
     }
     return st;
 }
@@ -416,7 +421,8 @@ static gp_status find_beside(const struct gp_log *log,
                           .channel->entries[at.channel]
                           .pixel_type;
     else if (at.part)
-        GP_TRY(read_samples(log, p, f, &at, out));
+        GP_TRY(
+            gp_read_channels(log, p, f, at.part->number, &at.channel, 1, out));
 out:
     if (st)
         gp_plane_free(out);
@@ -462,13 +468,16 @@ static gp_status read_file(const struct gp_log *log,
             list.channel[list.channels].name =
                 (char *) (uintptr_t) image->channel_name[list.channels];
         list.part[list.parts++] = (struct part) {
-            .channel = list.channel, .channels = list.channels,
+            .own = &unnamed,
+            .channel = list.channel,
+            .channels = list.channels,
         };
     }
     GP_TRY(pick(log, &list, name, kind, true, &at));
     GP_TRY(make_name(log, &list, &at, &plane));
     if (file.input) {
-        GP_TRY(from_part(log, p, file.input, &at, &plane));
+        GP_TRY(from_part(log, p, file.input, at.part->number, &at.channel, 1,
+                         &plane));
     } else {
         GP_TRY(make_samples(log, image->data, &plane));
         gp_decoded_channel(image, at.channel, plane.v);
@@ -583,11 +592,14 @@ static void name_part(const struct list *list, const struct part *part,
                       struct names *out)
 {
     const struct part *const first = list->part;
-    struct names of = {.part = first->layer, .part_len = (int) first->length};
+    struct names of = {
+        .part = first->own->layer,
+        .part_len = (int) first->own->length,
+    };
     *out = (struct names) {.n = part->channels, .channel = part->channel};
     if (!part->colour) {
-        out->part = part->layer;
-        out->part_len = (int) part->length;
+        out->part = part->own->layer;
+        out->part_len = (int) part->own->length;
     } else {
         of.part_len = 0;
     }
@@ -628,7 +640,7 @@ gp_status gp_read_vectors(const struct gp_log *log,
     GP_TRY(list_frame(log, f, false, &list));
     for (int i = 0; i < list.parts && !found && !st; i++) {
         const struct part *const part = &list.part[i];
-        if (part->deep || part->other || (i > 0 && part[-1].inner))
+        if (part->own->deep || part->other || (i > 0 && part[-1].inner))
             continue;
         struct names names;
         struct three three = {.second = -1};
@@ -639,9 +651,10 @@ gp_status gp_read_vectors(const struct gp_log *log,
         for (int c = 0; c < 3 && found && !st; c++) {
             const struct place at = {part + part->inner, three.index[c]};
             st = make_name(log, &list, &at, &plane[c]);
-            if (!st)
-                st = read_samples(log, p, f, &at, &plane[c]);
         }
+        if (found && !st)
+            st = gp_read_channels(log, p, f, part->number, three.index, 3,
+                                  plane);
     }
     if (!st && !found)
         st = gp_fail(log, GP_ERR_USAGE, "%s: --relight needs %s, and no "

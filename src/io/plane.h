@@ -35,6 +35,16 @@ GP_MUST_CHECK gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, struct gp_plane *out);
 
+/* Reads `n` channels of a part of a frame's file, flat, by their numbers in the
+ * part; for one below 0 the plane stays empty. The part is decoded once, the
+ * frame's own not at all, unless they are its colour.
+ *   out  empty; on failure some may have been read, too */
+GP_MUST_CHECK gp_status gp_read_channels(const struct gp_log *log,
+                                         const struct gp_read_params *p,
+                                         const struct gp_frame *f, int part,
+                                         const int *channel, int n,
+                                         struct gp_plane *out);
+
 /* Names of a layer of three channels, best first, and sets of names of those
  * channels. */
 struct gp_layer_names {

@@ -36,7 +36,7 @@ static gp_status damaged(const struct gp_log *log,
                    "%s: truncated or damaged (part %d, chunk %d of %d, at line "
                    "%d: %s); copy or render the file again",
                    cs->input->path, cs->part, chunk + 1, cs->chunks,
-                   cs->y0 + row * cs->tile_h, why);
+                   cs->window.y0 + row * cs->tile_h, why);
 }
 
 /* Unpacked bytes of a chunk, and whether the library divides its rows and
@@ -52,7 +52,7 @@ static bool unpacked_bytes(const struct gp_exr_chunks *cs,
         // if the first block's height divides, so does the start of the others
         if (c->width % xs || (c->height > 1 && c->height % ys))
             return false;
-        bool none = c->height == 1 && (c->start_y - cs->y0) % ys;
+        bool none = c->height == 1 && (c->start_y - cs->window.y0) % ys;
         uint64_t rows = none ? 0 : (uint64_t) (c->height + ys - 1) /
                                        (uint64_t) ys;
         *bytes += rows * (uint64_t) (c->width / xs) *
@@ -66,7 +66,8 @@ static struct gp_rect pixels_of(const struct gp_exr_chunks *cs,
                                 const exr_chunk_info_t *c)
 {
     const int x = cs->tiled ? c->start_x * cs->tile_w : 0;
-    const int y = cs->tiled ? c->start_y * cs->tile_h : c->start_y - cs->y0;
+    const int y =
+        cs->tiled ? c->start_y * cs->tile_h : c->start_y - cs->window.y0;
     return (struct gp_rect) {x, y, x + c->width, y + c->height};
 }
 
@@ -90,9 +91,8 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
         const exr_result_t r =
             cs->tiled ? exr_read_tile_chunk_info(exr, cs->part, i % across,
                                                  i / across, 0, 0, c)
-                      : exr_read_scanline_chunk_info(exr, cs->part,
-                                                     cs->y0 + i * cs->tile_h,
-                                                     c);
+                      : exr_read_scanline_chunk_info(
+                            exr, cs->part, cs->window.y0 + i * cs->tile_h, c);
         const char *wrong = r ? exr_get_default_error_message(r) : NULL;
         uint64_t bytes = 0;
         if (!wrong && !deep && (!unpacked_bytes(cs, c, &bytes) ||
@@ -140,8 +140,7 @@ gp_status gp_exr_chunks_find(const struct gp_log *log,
     const int64_t w = (int64_t) d.max.x - d.min.x + 1;
     const int64_t h = (int64_t) d.max.y - d.min.y + 1;
     GP_TRY(gp_window_check(log, path, "data", w, h, max_pixels));
-    out->x0 = d.min.x;
-    out->y0 = d.min.y;
+    out->window = (struct gp_rect) {d.min.x, d.min.y, d.max.x + 1, d.max.y + 1};
     out->w = out->tile_w = (int) w;
     out->h = (int) h;
 

@@ -112,7 +112,8 @@ void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
 struct gp_exr_chunks {
     const struct gp_input *input; // borrowed
     int part;
-    int x0, y0, w, h;                 // data window
+    struct gp_rect window; // of data
+    int w, h;              // its size
     exr_compression_t compression;
     bool tiled;
     int tile_w, tile_h;               // or of a block of scanlines

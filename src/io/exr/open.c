@@ -661,8 +661,7 @@ void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
     const exr_context_t exr = cs->input->exr;
     exr_attr_box2i_t b;
     exr_attr_chromaticities_t c; // in our order
-    f->data = (struct gp_rect) {cs->x0, cs->y0, cs->x0 + cs->w, cs->y0 + cs->h};
-    f->display = f->data;
+    f->data = f->display = cs->window;
     if (!exr_get_display_window(exr, cs->part, &b))
         f->display =
             (struct gp_rect) {b.min.x, b.min.y, b.max.x + 1, b.max.y + 1};
