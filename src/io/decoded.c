@@ -61,70 +61,46 @@ static float decode(enum curve curve, float gamma, float v)
     return v;
 }
 
+/* -- planes --------------------------------------------------------------- */
+
 /* Codes of 8 and 16 bits are multiples of 1/65535: their curve is a table. */
 enum { CODES = 65536 };
-
-/* -- planes --------------------------------------------------------------- */
 
 struct split {
     const struct gp_decoded *image;
     struct gp_frame *f;
-    const float *table;  // NULL when linear
+    float *table; // NULL when linear
     enum curve curve;
     float gamma;
-    float *row;          // w floats a thread
 };
+
+static float linear(const struct split *s, float v)
+{
+    const float code = v * 65535.0f, whole = nearbyintf(code);
+    const bool tabled =
+        whole >= 0.0f && whole < (float) CODES && fabsf(code - whole) < 0.02f;
+    return tabled ? s->table[(int) whole] : decode(s->curve, s->gamma, v);
+}
 
 static void split_row(void *ctx, int y, int thread)
 {
-    const struct split *s = ctx;
-    const int w = gp_rect_w(s->image->data), n = s->image->channels;
-    const size_t at = (size_t) y * (size_t) w;
-    const float *const pixels = s->image->pixels + at * (size_t) n;
-    float *row = s->row + (size_t) thread * (size_t) w;
-    for (int i = 0; i < n; i++) {
-        const struct gp_channel *c = &s->f->channel[i];
-        const float *from = pixels + i;
-        for (int x = 0; x < w; x++)
-            row[x] = from[(size_t) x * (size_t) n];
-        if (c->colour >= 0) {
-            for (int x = 0; s->table && x < w; x++) {
-                const float code = row[x] * 65535.0f, whole = nearbyintf(code);
-                const bool tabled = whole >= 0.0f && whole < (float) CODES &&
-                                    fabsf(code - whole) < 0.02f;
-                row[x] = tabled ? s->table[(int) whole]
-                                : decode(s->curve, s->gamma, row[x]);
-            }
-            memcpy(s->f->rgb.c[c->colour] + at, row, (size_t) w * sizeof *row);
-        } else if (c->type == GP_HALF) {
-            (void) gp_float_to_half(row, (uint16_t *) c->data + at, (size_t) w);
-        } else {
-            memcpy((float *) c->data + at, row, (size_t) w * sizeof *row);
+    const struct split *const s = ctx;
+    const size_t w = (size_t) gp_rect_w(s->image->data);
+    const size_t n = (size_t) s->image->channels, at = (size_t) y * w;
+    (void) thread;
+    for (size_t i = 0; i < n; i++) {
+        const struct gp_channel *const c = &s->f->channel[i];
+        const bool colour = c->colour >= 0;
+        const float *from = s->image->pixels + at * n + i;
+        void *const data = colour ? s->f->rgb.c[c->colour] : c->data;
+        for (size_t x = at; x < at + w; x++, from += n) {
+            if (!colour && c->type == GP_HALF)
+                (void) gp_float_to_half(from, (uint16_t *) data + x, 1);
+            else
+                ((float *) data)[x] =
+                    colour && s->table ? linear(s, *from) : *from;
         }
     }
-}
-
-static gp_status split_planes(const struct gp_log *log,
-                              const struct gp_decoded *image,
-                              struct gp_frame *f)
-{
-    gp_status st;
-    struct split s = {.image = image, .f = f};
-    float *table = NULL;
-    s.curve = curve_of(image, &s.gamma);
-    if (s.curve != LINEAR) {
-        GP_TRY(gp_alloc(log, "curve", CODES, sizeof *table, &table));
-        for (int i = 0; i < CODES; i++)
-            table[i] = decode(s.curve, s.gamma, (float) i / 65535.0f);
-    }
-    s.table = table;
-    GP_TRY(gp_alloc(log, "row", (size_t) gp_threads(),
-                    (size_t) gp_frame_w(f) * sizeof(float), &s.row));
-    gp_parallel_do(gp_frame_h(f), split_row, &s);
-out:
-    gp_free(s.row);
-    gp_free(table);
-    return st;
 }
 
 void gp_decoded_channel(const struct gp_decoded *image, int channel, float *to)
@@ -176,6 +152,7 @@ gp_status gp_decoded_frame(const struct gp_log *log, const char *layer,
     gp_status st;
     struct gp_frame f = {0};
     struct gp_colour_choice colour;
+    struct split s = {.image = image, .f = &f};
     GP_TRY(choose_colour(log, layer, image, &colour));
     f = (struct gp_frame) {
         .data = image->data,
@@ -217,9 +194,15 @@ gp_status gp_decoded_frame(const struct gp_log *log, const char *layer,
         if (!to->name || (from->text && !to->text))
             GP_TRY(gp_no_memory_bare(log, "attributes"));
     }
-    GP_TRY(split_planes(log, image, &f));
+    s.curve = curve_of(image, &s.gamma);
+    if (s.curve != LINEAR)
+        GP_TRY(gp_alloc(log, "curve", CODES, sizeof *s.table, &s.table));
+    for (int i = 0; s.table && i < CODES; i++)
+        s.table[i] = decode(s.curve, s.gamma, (float) i / 65535.0f);
+    gp_parallel_do(gp_frame_h(&f), split_row, &s);
     gp_frame_fill(&f, colour.index);
 out:
+    gp_free(s.table);
     if (st)
         gp_frame_free(&f);
     else

@@ -276,7 +276,6 @@ gp_status gp_read_views(const struct gp_log *log,
     const struct gp_reader *r;
     bool exr;
     gp_status st = GP_OK;
-    *out = (struct gp_views) {0};
     if (m->n)
         stream = gp_stream_of(m->stream.data, m->member[0].size);
     else
@@ -285,20 +284,11 @@ gp_status gp_read_views(const struct gp_log *log,
         st = find_reader(log, path, &stream, &r);
     if (!st && r == gp_readers)
         st = gp_exr_open(log, path, &stream, &in);
-    if (in)
-        st = gp_exr_views(log, p, in, out);
+    if (!st)
+        st = gp_frame_views(log, p, &(struct gp_frame) {.input = in}, out);
     gp_stream_close(&stream);
     gp_input_free(in);
     return st;
-}
-
-gp_status gp_frame_views(const struct gp_log *log,
-                         const struct gp_read_params *p,
-                         const struct gp_frame *f, struct gp_views *out)
-{
-    const struct gp_input *const in = gp_input_of(f);
-    *out = (struct gp_views) {0};
-    return in ? gp_exr_views(log, p, in, out) : GP_OK;
 }
 
 // -- several images in one stream ---------------------------------------------

@@ -402,9 +402,11 @@ static void add_view(const char *view[GP_VIEWS_MAX], int *n, const char *name)
         view[(*n)++] = name;
 }
 
-gp_status gp_exr_views(const struct gp_log *log, const struct gp_read_params *p,
-                       const struct gp_input *in, struct gp_views *out)
+gp_status gp_frame_views(const struct gp_log *log,
+                         const struct gp_read_params *p,
+                         const struct gp_frame *f, struct gp_views *out)
 {
+    const struct gp_input *const in = gp_input_of(f);
     struct gp_read_params q = *p;
     struct gp_exr_choice choice;
     const char *view[GP_VIEWS_MAX] = {NULL}, *inner[VIEWS], *own;
@@ -412,6 +414,8 @@ gp_status gp_exr_views(const struct gp_log *log, const struct gp_read_params *p,
     // the view that is taken by itself
     q.view = NULL;
     *out = (struct gp_views) {0};
+    if (!in)
+        return GP_OK;
     gp_status st = gp_exr_choose(NULL, &q, in, 0, &choice);
     if (!st && views_of(in, choice.part, inner) > 0) {
         const exr_attr_chlist_t *const list = in->each[choice.part].channel;

@@ -85,12 +85,6 @@ void gp_input_free(void *input);
 /* True when both parts have views, and not the same. */
 bool gp_exr_other_view(const struct gp_input *in, int a, int b);
 
-/* gp_frame_views() of an EXR. */
-GP_MUST_CHECK gp_status gp_exr_views(const struct gp_log *log,
-                                     const struct gp_read_params *p,
-                                     const struct gp_input *in,
-                                     struct gp_views *out);
-
 /* The view, of several in its part, that a channel belongs to; NULL for the
  * default view and in parts of one. */
 const char *gp_exr_view_of(const struct gp_input *in, int part,
