@@ -9,41 +9,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gp_status make_list(const struct gp_log *log, int n,
-                           struct gp_stored_image *out)
+static gp_status make_list(const struct gp_log *log, const char *const *name,
+                           int n, struct gp_stored_image *out)
 {
-    const gp_status st = gp_alloc_zero(log, "channels", (size_t) n,
-                                       sizeof *out->channel, &out->channel);
+    gp_status st = gp_alloc_zero(log, "channels", (size_t) n,
+                                 sizeof *out->channel, &out->channel);
     out->channels = st ? 0 : n;
+    for (int i = 0; i < n && !st; i++) {
+        out->channel[i].name = gp_strdup(name[i]);
+        if (!out->channel[i].name)
+            st = gp_no_memory(log, name[i]);
+    }
     return st;
 }
 
-static gp_status make_channel(const struct gp_log *log, const char *name,
-                              size_t samples, struct glarepp_channel *c,
-                              float **v)
+/* Finds the colour by the channels' names. */
+static void find_light(const char *const *name, bool lone,
+                       struct gp_stored_image *out)
 {
-    c->name = gp_strdup(name);
-    if (!c->name)
-        return gp_no_memory(log, name);
-    const gp_status st = gp_alloc(log, name, samples, sizeof **v, v);
-    c->v = *v;
-    return st;
-}
-
-/* Finds the colour by the names of the list. */
-static gp_status find_light(const struct gp_log *log, bool lone,
-                            struct gp_stored_image *out)
-{
-    const char **name;
     struct gp_colour_choice colour;
-    gp_status st = gp_alloc(log, "channel names", (size_t) out->channels,
-                            sizeof *name, &name);
-    if (st)
-        return st;
-    for (int i = 0; i < out->channels; i++)
-        name[i] = out->channel[i].name;
     const bool found = gp_find_colour(name, out->channels, lone, &colour);
-    gp_free(name);
     for (int k = 0; k < 3 && found; k++) {
         const int i = colour.model == GP_COLOUR_GREY ? colour.index[0]
                       : colour.model == GP_COLOUR_YC ? colour.index[1]
@@ -53,7 +38,6 @@ static gp_status find_light(const struct gp_log *log, bool lone,
     }
     if (!out->light[0] || !out->light[1] || !out->light[2])
         memset(out->light, 0, sizeof out->light);
-    return GP_OK;
 }
 
 /* The windows and the colour of a frame's header. */
@@ -67,65 +51,52 @@ static void copy_header(const struct gp_frame *f, struct gp_stored_image *out)
 
 /* -- EXR ------------------------------------------------------------------- */
 
-/* Reads the samples of a deep part; it has no light. */
-static gp_status read_deep(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_stored_file *file, int part,
-    struct gp_stored_image *out)
-{
-    struct gp_exr_deep deep;
-    struct gp_frame f;
-    gp_status st;
-    GP_TRY(gp_exr_deep_read(log, file->input, part, p->max_pixels, &deep));
-    gp_exr_frame_header(&deep.part, &f);
-    copy_header(&f, out);
-    const exr_attr_chlist_t *const list = deep.part.channel;
-    GP_TRY(make_list(log, list->num_channels, out));
-    for (int i = 0; i < list->num_channels; i++) {
-        struct glarepp_channel *const c = &out->channel[i];
-        c->is_uint = list->entries[i].pixel_type == EXR_PIXEL_UINT;
-        c->name = gp_strdup(list->entries[i].name.str);
-        if (!c->name)
-            GP_TRY(gp_no_memory(log, file->path));
-        c->v = deep.sample[i];
-        deep.sample[i] = NULL;
-    }
-    out->first = deep.first;
-    deep.first = NULL;
-out:
-    gp_exr_deep_free(&deep);
-    return st;
-}
-
+/* Reads a part; a deep one has no light. */
 static gp_status read_exr(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_stored_file *file, int part,
     struct gp_stored_image *out)
 {
     gp_status st;
-    struct gp_exr_chunks l = {0};
+    const struct gp_input *const in = file->input;
+    const bool is_deep = in->each[part].deep;
+    const exr_attr_chlist_t *const list = in->each[part].channel;
+    const int n = list->num_channels;
+    struct gp_exr_deep deep = {.first = NULL};
     struct gp_frame f;
+    const char **name = NULL;
     float **to = NULL;
-    if (file->input->each[part].deep)
-        return read_deep(log, p, file, part, out);
-    GP_TRY(
-        gp_exr_chunks_find(log, file->input, part, false, p->max_pixels, &l));
-    gp_exr_frame_header(&l, &f);
+    GP_TRY(gp_exr_names_in(log, in, part, NULL, &name));
+    GP_TRY(is_deep ? gp_exr_deep_read(log, in, part, p->max_pixels, &deep)
+                   : gp_exr_chunks_find(log, in, part, false, p->max_pixels,
+                                        &deep.part));
+    gp_exr_frame_header(&deep.part, &f);
     copy_header(&f, out);
-    const int n = l.channel->num_channels;
-    GP_TRY(make_list(log, n, out));
+    GP_TRY(make_list(log, name, n, out));
     GP_TRY(gp_alloc(log, "channels", (size_t) n, sizeof *to, &to));
     for (int i = 0; i < n; i++) {
-        const exr_attr_chlist_entry_t *const e = &l.channel->entries[i];
+        const exr_attr_chlist_entry_t *const e = &list->entries[i];
         struct glarepp_channel *const c = &out->channel[i];
         c->is_uint = e->pixel_type == EXR_PIXEL_UINT && e->x_sampling == 1 &&
                      e->y_sampling == 1;
-        GP_TRY(make_channel(log, e->name.str, (size_t) l.w * (size_t) l.h, c,
-                            &to[i]));
+        if (is_deep) {
+            c->v = deep.sample[i];
+            deep.sample[i] = NULL;
+            continue;
+        }
+        GP_TRY(gp_alloc(log, c->name, gp_rect_pixels(out->data), sizeof **to,
+                        &to[i]));
+        c->v = to[i];
     }
-    GP_TRY(gp_exr_decode_full(log, &l, true, to));
-    GP_TRY(find_light(log, file->parts == 1, out));
+    out->first = deep.first;
+    deep.first = NULL;
+    if (!is_deep) {
+        GP_TRY(gp_exr_decode_full(log, &deep.part, true, to));
+        find_light(name, file->parts == 1, out);
+    }
 out:
     gp_free(to);
-    gp_exr_chunks_free(&l);
+    gp_free(name);
+    gp_exr_deep_free(&deep);
     return st;
 }
 
@@ -148,11 +119,12 @@ static gp_status read_other(const struct gp_log *log,
     frame.rgb = (struct gp_planes) {0};
     for (int c = 0; c < 3; c++)
         out->light[c] = out->own.c[c];
-    GP_TRY(make_list(log, image->channels, out));
+    GP_TRY(make_list(log, image->channel_name, image->channels, out));
     for (int c = 0; c < image->channels; c++) {
         float *v;
-        GP_TRY(make_channel(log, image->channel_name[c],
-                            gp_frame_pixels(&frame), &out->channel[c], &v));
+        GP_TRY(gp_alloc(log, image->channel_name[c], gp_frame_pixels(&frame),
+                        sizeof *v, &v));
+        out->channel[c].v = v;
         gp_decoded_channel(image, c, v);
     }
 out:
