@@ -330,14 +330,7 @@ void check_size(const ImageSpec &spec, const gp_oiio_ask &ask)
 void read_channels(int c0, int c1, const TypeDesc &type, void *to)
 {
     ImageInput &input = *file->input;
-    const ImageSpec &s = file->spec;
-    const bool read =
-        s.tile_width > 0
-            ? input.read_tiles(file->part, 0, s.x, s.x + s.width, s.y,
-                               s.y + s.height, s.z, s.z + 1, c0, c1, type, to)
-            : input.read_scanlines(file->part, 0, s.y, s.y + s.height, s.z,
-                                   c0, c1, type, to);
-    if (!read || input.has_error())
+    if (!input.read_image(file->part, 0, c0, c1, type, to) || input.has_error())
         throw std::runtime_error(input.geterror());
     if (file->bytes->was_short())
         throw std::runtime_error("truncated");
@@ -432,13 +425,8 @@ void read_pixels(float *to)
 ImageSpec make_spec(const gp_oiio_ask &ask, const std::string &text)
 {
     const gp_oiio_spec &s = ask.spec;
-    const std::string type = ask.type;
     const char *at = text.c_str();
-    ImageSpec spec(s.w, s.h, s.channels,
-                   type == "half"     ? TypeDesc::HALF
-                   : type == "uint8"  ? TypeDesc::UINT8
-                   : type == "uint16" ? TypeDesc::UINT16
-                                      : TypeDesc::FLOAT);
+    ImageSpec spec(s.w, s.h, s.channels, TypeDesc(ask.type));
     spec.x = s.x;
     spec.y = s.y;
     spec.full_x = s.full_x;
@@ -457,7 +445,7 @@ ImageSpec make_spec(const gp_oiio_ask &ask, const std::string &text)
                                                    : TypeDesc::FLOAT);
     if (s.channels == 4 && !s.typed) {
         spec.alpha_channel = 3;
-        if (type == "uint8" || type == "uint16")
+        if (!spec.format.is_floating_point())
             spec.attribute("oiio:UnassociatedAlpha", 1);
     }
     if (!space.empty())
