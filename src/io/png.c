@@ -44,7 +44,7 @@ struct png_input {
     size_t stride;             // bytes of a row
     bool done, surplus;        // all rows are read; there is more
     size_t after;              // bytes of IDAT that were read once done
-    int width, height, channels, bytes; // bytes of a sample
+    int x, y, width, height, channels, bytes; // bytes of a sample
     float gamma;               // as OpenImageIO rounds it; 1 none
     char space[24];
     char time[32];
@@ -88,25 +88,6 @@ static void on_read_error(png_structp png, png_const_charp message)
                          "%s: damaged (%s); copy or render the file again",
                          in->path, message);
     png_longjmp(png, 1);
-}
-
-/* Checks the header against the limits, before memory is taken for pixels. */
-static gp_status check_size(const struct png_input *in, long long max_pixels)
-{
-    const unsigned long w = png_get_image_width(in->png, in->info);
-    const unsigned long h = png_get_image_height(in->png, in->info);
-    const png_int_32 x = png_get_x_offset_pixels(in->png, in->info);
-    const png_int_32 y = png_get_y_offset_pixels(in->png, in->info);
-    const png_int_32 far = 1 << 29; // sums of two edges fit an int
-    gp_status st = gp_window_check(in->log, in->path, "data", (int64_t) w,
-                                   (int64_t) h, max_pixels);
-    if (st)
-        return st;
-    if (x <= -far || x >= far || y <= -far || y >= far)
-        return gp_fail(in->log, GP_ERR_DATA,
-                       "%s: damaged (an offset of %d, %d pixels); render the "
-                       "file again", in->path, (int) x, (int) y);
-    return GP_OK;
 }
 
 /* A later attribute of the same name, in any case, replaces an earlier one. */
@@ -158,6 +139,7 @@ static gp_status list_attributes(struct png_input *in, int *n)
  * whole too. May leave by longjmp(). */
 static gp_status read_all(struct png_input *in, long long max_pixels)
 {
+    const int far = 1 << 29; // sums of two edges fit an int
     png_structp png = in->png;
     png_set_read_fn(png, in, read_bytes);
     png_set_chunk_cache_max(png, MOST_TEXTS);
@@ -165,12 +147,22 @@ static gp_status read_all(struct png_input *in, long long max_pixels)
     png_read_info(png, in->info);
     png_set_expand(png);
     const int passes = png_set_interlace_handling(png);
-    gp_status st = check_size(in, max_pixels);
+    // before memory is taken for pixels
+    const png_uint_32 w = png_get_image_width(png, in->info);
+    const png_uint_32 h = png_get_image_height(png, in->info);
+    gp_status st = gp_window_check(in->log, in->path, "data", w, h, max_pixels);
+    in->x = png_get_x_offset_pixels(png, in->info);
+    in->y = png_get_y_offset_pixels(png, in->info);
+    if (!st && (in->x <= -far || in->x >= far || in->y <= -far || in->y >= far))
+        st = gp_fail(in->log, GP_ERR_DATA,
+                     "%s: damaged (an offset of %d, %d pixels); render the "
+                     "file again",
+                     in->path, in->x, in->y);
     if (st)
         return st;
     png_read_update_info(png, in->info);
-    in->width = (int) png_get_image_width(png, in->info);
-    in->height = (int) png_get_image_height(png, in->info);
+    in->width = (int) w;
+    in->height = (int) h;
     in->channels = png_get_channels(png, in->info);
     in->bytes = png_get_bit_depth(png, in->info) / 8;
     in->stride = png_get_rowbytes(png, in->info);
@@ -187,10 +179,9 @@ static gp_status read_all(struct png_input *in, long long max_pixels)
         if (in->gamma == 1.0f)
             snprintf(in->space, sizeof in->space, "linear");
     }
-    const size_t h = (size_t) in->height;
     st = gp_alloc(in->log, "PNG rows", h, in->stride, &in->rows);
     if (!st)
-        st = gp_alloc(in->log, "PNG pixels", h * (size_t) in->width,
+        st = gp_alloc(in->log, "PNG pixels", (size_t) h * w,
                       (size_t) in->channels * sizeof(float), &in->pixels);
     for (int pass = 0; pass < passes && !st; pass++) {
         for (size_t y = 0; y < h; y++)
@@ -276,9 +267,8 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     gp_parallel_do(in->height, sample_row, in);
     GP_FREE(in->rows);
     *out = image;
-    const int x = (int) png_get_x_offset_pixels(in->png, in->info);
-    const int y = (int) png_get_y_offset_pixels(in->png, in->info);
-    out->data = (struct gp_rect) {x, y, x + in->width, y + in->height};
+    out->data =
+        (struct gp_rect) {in->x, in->y, in->x + in->width, in->y + in->height};
     out->display = (struct gp_rect) {0, 0, in->width, in->height};
     out->pixel_aspect = png_get_pixel_aspect_ratio(in->png, in->info);
     out->channels = in->channels;
