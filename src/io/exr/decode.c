@@ -118,56 +118,43 @@ gp_status gp_exr_chunks_find(const struct gp_log *log,
                              const struct gp_input *in, int part, bool deep,
                              long long max_pixels, struct gp_exr_chunks *out)
 {
-    const exr_context_t exr = in->exr;
-    const char *const path = in->path;
-    exr_storage_t storage;
+    const struct gp_exr_part *const own = &in->each[part];
+    const exr_attr_box2i_t d = own->data;
+    const int64_t w = (int64_t) d.max.x - d.min.x + 1;
+    const int64_t h = (int64_t) d.max.y - d.min.y + 1;
+    int64_t n = 0;
     gp_status st;
-    exr_attr_box2i_t d;
-    *out = (struct gp_exr_chunks) {.input = in, .part = part};
-    if (!deep && in->each[part].deep)
+    *out = (struct gp_exr_chunks) {
+        .input = in,
+        .part = part,
+        .tiled = own->tiled,
+        .tile_h = own->tile_h,
+        .channel = own->channel,
+    };
+    if (!deep && own->deep)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: deep data has no single colour per pixel (part "
                        "%d); flatten it first, with e.g. oiiotool --flatten",
-                       path, part);
-    if (exr_get_storage(exr, part, &storage) ||
-        exr_get_compression(exr, part, &out->compression) ||
-        exr_get_channels(exr, part, &out->channel) ||
-        exr_get_data_window(exr, part, &d))
+                       in->path, part);
+    if (exr_get_compression(in->exr, part, &out->compression))
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: the EXR header is damaged (part %d lacks window, "
-                       "channels, compression or type); render the file again",
-                       path, part);
-    const int64_t w = (int64_t) d.max.x - d.min.x + 1;
-    const int64_t h = (int64_t) d.max.y - d.min.y + 1;
-    GP_TRY(gp_window_check(log, path, "data", w, h, max_pixels));
+                       "%s: the EXR header is damaged (part %d lacks its "
+                       "compression); render the file again",
+                       in->path, part);
+    GP_TRY(gp_window_check(log, in->path, "data", w, h, max_pixels));
     out->window = (struct gp_rect) {d.min.x, d.min.y, d.max.x + 1, d.max.y + 1};
-    out->w = out->tile_w = (int) w;
+    out->w = (int) w;
     out->h = (int) h;
-
+    out->tile_w = own->tiled ? own->tile_w : out->w;
     // the number of chunks of level 0, which come first in the table, which is
     // in the file: that bounds the list
-    const int all = in->each[part].chunks;
-    uint32_t tw, th;
-    int64_t n = 0;
-    exr_tile_level_mode_t mode;
-    exr_tile_round_mode_t round;
-    out->tiled = storage == EXR_STORAGE_TILED ||
-                 storage == EXR_STORAGE_DEEP_TILED;
-    if (!out->tiled) {
-        if (exr_get_scanlines_per_chunk(exr, part, &out->tile_h))
-            out->tile_h = 0;
-    } else if (!exr_get_tile_descriptor(exr, part, &tw, &th, &mode, &round) &&
-               tw < INT_MAX && th < INT_MAX) {
-        out->tile_w = (int) tw;
-        out->tile_h = (int) th;
-    }
     if (out->tile_w > 0 && out->tile_h > 0)
         n = ((w - 1) / out->tile_w + 1) * ((h - 1) / out->tile_h + 1);
-    if (n < 1 || n > all)
+    if (n < 1 || n > own->chunks)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: truncated or damaged (%d chunks, %lld needed); "
-                       "copy or render the file again", path, all,
-                       (long long) n);
+                       "copy or render the file again",
+                       in->path, own->chunks, (long long) n);
     out->chunks = (int) n;
     GP_TRY(gp_alloc_zero(log, "chunks", (size_t) n, sizeof *out->chunk,
                          &out->chunk));

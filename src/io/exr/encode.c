@@ -72,17 +72,11 @@ void gp_exr_out_free(struct gp_exr_out *out)
 
 /* -- chunks of another file, as they are ---------------------------------- */
 
-/* One chunk: its number in the table and its place. */
-struct place {
-    uint64_t offset;
-    int index;
-};
-
 static int by_offset(const void *a, const void *b)
 {
-    const struct place *p = a, *q = b;
-    return p->offset != q->offset ? (p->offset < q->offset ? -1 : 1)
-                                  : p->index - q->index;
+    const uint64_t *const p = *(const uint64_t *const *) a;
+    const uint64_t *const q = *(const uint64_t *const *) b;
+    return *p != *q ? (*p > *q) - (*p < *q) : (p > q) - (p < q);
 }
 
 gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
@@ -95,17 +89,17 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
     const size_t number = in->index->multi ? 4 : 0; // bytes of the part's
     void *chunk = NULL;
     uint64_t room = 0;
-    struct place *place = NULL;
-    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *place, &place));
+    const uint64_t **order = NULL;
+    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *order, &order));
     gp_exr_fault_clear();
     if (n < 1 || !gp_exr_offsets_read(in, from, 0, n, offset))
         st = GP_ERR_DATA;
     for (int i = 0; !st && i < n; i++)
-        place[i] = (struct place) {offset[i], i};
+        order[i] = &offset[i];
     if (!st)
-        qsort(place, (size_t) n, sizeof *place, by_offset);
+        qsort(order, (size_t) n, sizeof *order, by_offset);
     for (int i = 0; !st && i < n; i++) {
-        const uint64_t at = place[i].offset;
+        const uint64_t at = *order[i]; // begin_chunk() replaces it
         const uint64_t bytes = gp_exr_chunk_bytes(in, from, at);
         const uint64_t copied = bytes - number;
         if (bytes == 0 || at + bytes > in->stream.size) {
@@ -116,7 +110,7 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
             GP_TRY(gp_resize(out->log, path, bytes, &chunk));
             room = bytes;
         }
-        GP_TRY(begin_chunk(out, part, place[i].index));
+        GP_TRY(begin_chunk(out, part, (int) (order[i] - offset)));
         st = gp_exr_read_bytes(&in->stream, chunk, copied, at + number) ==
                      (int64_t) copied
                  ? gp_file_write(out->file, chunk, copied) : GP_ERR_DATA;
@@ -128,7 +122,7 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
             "%s: part %d is truncated or damaged; copy or render the "
             "file again, or give --hdr a file without it", path, from);
 out:
-    gp_free(place);
+    gp_free(order);
     gp_free(chunk);
     return st;
 }

@@ -28,9 +28,12 @@ struct gp_exr_part {
                        // rgba.left and rgba_left in a part whose view is left
     size_t length;     // bytes of `layer`; 0 when the part has no name
     const exr_attr_chlist_t *channel; // empty where the library has no list
-    bool deep;
-    int chunks;        // entries of its offset table
-    uint64_t table;    // first byte of that
+    exr_attr_box2i_t data;            // window, of at least a pixel
+    bool deep, tiled, levels;         // it has smaller levels, too
+    int tile_w, tile_h;               // of a chunk of level 0; 0: not known, or
+                                      // the width of scanlines
+    int chunks;                       // entries of its offset table
+    uint64_t table;                   // first byte of that
     uint64_t from, to; // its attributes, with the null that ends them
     const struct gp_exr_attr *attr; // `attrs` of them (exr_priv.h)
     int attrs;

@@ -378,19 +378,32 @@ static void describe(const struct gp_input *in, int number,
                      struct gp_exr_part *part)
 {
     static const exr_attr_chlist_t none;
+    const exr_context_t exr = in->exr;
     exr_storage_t storage;
+    exr_tile_level_mode_t mode = EXR_TILE_ONE_LEVEL;
+    exr_tile_round_mode_t round;
+    uint32_t w = 0, h = 0;
     int32_t n;
-    if (exr_get_name(in->exr, number, &part->name) ||
-        (part->name && !*part->name))
+    if (exr_get_name(exr, number, &part->name) || (part->name && !*part->name))
         part->name = NULL;
-    if (exr_attr_get_string(in->exr, number, "view", &n, &part->view))
+    if (exr_attr_get_string(exr, number, "view", &n, &part->view))
         part->view = NULL;
-    if (exr_get_channels(in->exr, number, &part->channel))
+    if (exr_get_channels(exr, number, &part->channel))
         part->channel = &none;
-    part->deep = exr_get_storage(in->exr, number, &storage) ||
-                 storage == EXR_STORAGE_DEEP_SCANLINE ||
+    const bool unknown = exr_get_storage(exr, number, &storage) ||
+                         exr_get_data_window(exr, number, &part->data);
+    part->deep = unknown || storage == EXR_STORAGE_DEEP_SCANLINE ||
                  storage == EXR_STORAGE_DEEP_TILED;
-    if (!exr_get_chunk_count(in->exr, number, &n) && n > 0)
+    part->tiled = !unknown && (storage == EXR_STORAGE_TILED ||
+                               storage == EXR_STORAGE_DEEP_TILED);
+    if (part->tiled)
+        (void) exr_get_tile_descriptor(exr, number, &w, &h, &mode, &round);
+    else if (!exr_get_scanlines_per_chunk(exr, number, &n) && n > 0)
+        h = (uint32_t) n;
+    part->levels = mode != EXR_TILE_ONE_LEVEL;
+    part->tile_w = w < INT_MAX ? (int) w : 0;
+    part->tile_h = h < INT_MAX ? (int) h : 0;
+    if (!exr_get_chunk_count(exr, number, &n) && n > 0)
         part->chunks = n;
     part->layer = part->name ? part->name : "";
     const size_t all = strlen(part->layer);
@@ -462,17 +475,13 @@ bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
 uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
                             uint64_t offset)
 {
-    exr_storage_t storage;
     uint8_t leader[44];
     int32_t number = part;
     uint32_t flat;
     uint64_t size, deep_size[2];
-    if (exr_get_storage(in->exr, part, &storage))
-        return 0;
     const bool deep = in->each[part].deep;
-    const bool tiled = storage == EXR_STORAGE_TILED ||
-                       storage == EXR_STORAGE_DEEP_TILED;
-    const size_t head = (in->index->multi ? 4u : 0u) + (tiled ? 16u : 4u);
+    const size_t head =
+        (in->index->multi ? 4u : 0u) + (in->each[part].tiled ? 16u : 4u);
     const size_t lead = head + (deep ? 24u : 4u);
     const int64_t got = gp_exr_read_bytes(&in->stream, leader, lead, offset);
     if (got != (int64_t) lead)
@@ -534,28 +543,20 @@ static int64_t chunk_place(const struct gp_input *in, uint64_t offset,
 {
     const bool multi = in->index->multi;
     uint8_t leader[20] = {0}; // the last chunk may be shorter
-    int32_t number[5], lines; // part; x, y and levels of a tile, or y
-    uint32_t w, h;
-    exr_tile_level_mode_t mode;
-    exr_tile_round_mode_t round;
-    exr_attr_box2i_t data;
+    int32_t number[5];        // part; x, y and levels of a tile, or y
     if (gp_exr_read_bytes(&in->stream, leader, sizeof leader, offset) < 0)
         return -1;
     memcpy(number + !multi, leader, sizeof leader - (multi ? 0 : 4));
     *part = multi ? number[0] : 0;
-    if (*part < 0 || *part >= in->parts ||
-        exr_get_data_window(in->exr, *part, &data))
+    if (*part < 0 || *part >= in->parts)
         return -1;
     const struct gp_exr_part *const p = &in->each[*part];
-    int64_t k;
-    if (exr_get_scanlines_per_chunk(in->exr, *part, &lines) == 0 && lines > 0) {
-        k = ((int64_t) number[1] - data.min.y) / lines;
-    } else {
-        if (exr_get_tile_descriptor(in->exr, *part, &w, &h, &mode, &round) ||
-            mode != EXR_TILE_ONE_LEVEL || w < 1)
-            return -1;
+    if (p->levels || p->tile_h < 1 || (p->tiled && p->tile_w < 1))
+        return -1;
+    int64_t k = ((int64_t) number[1] - p->data.min.y) / p->tile_h;
+    if (p->tiled) {
         const int64_t across =
-            ((int64_t) data.max.x - data.min.x + w) / (int64_t) w;
+            ((int64_t) p->data.max.x - p->data.min.x) / p->tile_w + 1;
         if (number[1] < 0 || number[1] >= across)
             return -1;
         k = number[2] * across + number[1];

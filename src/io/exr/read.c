@@ -340,7 +340,6 @@ gp_status gp_read_layer(const struct gp_log *log,
     struct gp_read_params q = {.max_pixels = p->max_pixels, .layer = layer};
     struct gp_exr_choice choice;
     struct gp_frame frame = {0};
-    exr_attr_box2i_t d;
     gp_status st;
     if (!in)
         return gp_fail(log, GP_ERR_USAGE,
@@ -353,8 +352,8 @@ gp_status gp_read_layer(const struct gp_log *log,
         q.view = p->view;
         GP_TRY(gp_exr_choose(log, &q, in, f->part, &choice));
     }
-    if (exr_get_data_window(in->exr, choice.part, &d) ||
-        d.min.x != f->data.x0 || d.min.y != f->data.y0 ||
+    const exr_attr_box2i_t d = in->each[choice.part].data;
+    if (d.min.x != f->data.x0 || d.min.y != f->data.y0 ||
         d.max.x != f->data.x1 - 1 || d.max.y != f->data.y1 - 1)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: the data window of %s (part %d) is not that of the "
