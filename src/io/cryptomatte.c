@@ -216,15 +216,14 @@ static gp_status find_types(struct reading *c)
         {"hash", "MurmurHash3_32"},
         {"conversion", "uint32_to_float32"},
     };
-    struct gp_crypto found;
+    const struct gp_crypto *const found = &c->in->crypto;
     size_t left = GP_JSON_SMALL + 4 * gp_frame_pixels(c->f);
     gp_status st = GP_OK;
-    gp_exr_crypto(c->in, &found);
-    for (int i = 0; i < found.n && !st; i++) {
-        const char *const key = found.key[i];
-        const int part = found.part[i];
+    for (int i = 0; i < found->n && !st; i++) {
+        const char *const key = found->key[i];
+        const int part = found->part[i];
         struct type *const t = &c->type[c->types++];
-        t->name = found.layer[i];
+        t->name = found->layer[i];
         for (int k = 0; k < 2; k++) {
             const char *const is = text_of(c->in, part, key, facts[k][0]);
             if (is && strcmp(is, facts[k][1]) != 0)

@@ -145,42 +145,41 @@ gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
 
 /* -- Cryptomatte ---------------------------------------------------------- */
 
-void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out)
+void gp_exr_find_crypto(struct gp_input *in)
 {
     // cryptomatte/HASH/name
     static const char first[] = "cryptomatte/", last[] = "/name";
     const size_t start = sizeof first - 1, end = sizeof last - 1;
-    *out = (struct gp_crypto) {0};
-    for (int part = 0; in && part < in->parts; part++) {
-        int32_t n = 0;
-        if (exr_get_attribute_count(in->exr, part, &n))
-            continue;
-        for (int32_t i = 0; i < n && out->n < GP_CRYPTO_LAYERS; i++) {
-            const exr_attribute_t *a;
-            if (exr_get_attribute_by_index(in->exr, part,
-                                           EXR_ATTR_LIST_FILE_ORDER, i, &a) ||
-                a->type != EXR_ATTR_STRING)
-                continue;
-            const size_t len = strlen(a->name);
-            const char *const layer = a->string->str;
+    struct gp_crypto *const c = &in->crypto;
+    for (int part = 0; part < in->parts; part++) {
+        const struct gp_exr_part *const own = &in->each[part];
+        for (int i = 0; i < own->attrs && c->n < GP_CRYPTO_LAYERS; i++) {
+            const char *const name = own->attr[i].name, *layer;
+            const size_t len = strlen(name);
+            int32_t n;
             int k = 0; // of another part
-            while (layer && k < out->n && strcmp(out->layer[k], layer) != 0)
-                k++;
-            if (len <= start + end || strncmp(a->name, first, start) != 0 ||
-                strcmp(a->name + len - end, last) != 0 || !layer || !*layer ||
-                k < out->n)
+            if (len <= start + end || strncmp(name, first, start) != 0 ||
+                strcmp(name + len - end, last) != 0 ||
+                exr_attr_get_string(in->exr, part, name, &n, &layer) ||
+                !layer || !*layer)
                 continue;
-            out->layer[k] = layer;
-            out->part[k] = part;
-            out->key[k] = a->name;
-            out->n++;
+            while (k < c->n && strcmp(c->layer[k], layer) != 0)
+                k++;
+            if (k < c->n)
+                continue;
+            c->layer[k] = layer;
+            c->part[k] = part;
+            c->key[k] = name;
+            c->n++;
         }
     }
 }
 
-enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
-    const struct gp_input *in, int part, const char *name)
+enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_input *in, int part,
+                                          const char *name)
 {
+    static const struct gp_crypto none;
+    const struct gp_crypto *const c = in ? &in->crypto : &none;
     const size_t len = gp_layer_length(name);
     if (len > 0)
         return gp_crypto_layer(c, name, len - 1);
@@ -193,7 +192,6 @@ enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
 struct search {
     const struct gp_log *log;
     const struct gp_input *in;
-    struct gp_crypto crypto;
     int first; // this part before the others
     int only;  // this part and no other, or -1
 };
@@ -222,7 +220,7 @@ static gp_status search_parts(const struct search *s, const char *layer,
                 return st;
             for (int k = 0; k < channels; k++) {
                 const exr_attr_chlist_entry_t *const c = &list->entries[k];
-                if (gp_exr_crypto_channel(&s->crypto, in, part, c->name.str) ||
+                if (gp_exr_crypto_channel(in, part, c->name.str) ||
                     (lone && !layer && c->pixel_type == EXR_PIXEL_UINT))
                     name[k] = "";
             }
@@ -318,7 +316,7 @@ static gp_status not_there(const struct search *s,
             const char *const letter = layer + len;
             if ((strcmp(letter, "R") != 0 && strcmp(letter, "Y") != 0 &&
                  strcasecmp(letter, "red") != 0) ||
-                gp_exr_crypto_channel(&s->crypto, in, part, layer) ||
+                gp_exr_crypto_channel(in, part, layer) ||
                 (len == 0 && in->parts == 1))
                 continue;
             if (len > 0)
@@ -329,8 +327,9 @@ static gp_status not_there(const struct search *s,
     }
     const char *const has_layers = *layers ? layers + 2 : "none";
     const size_t own = p->layer ? gp_layer_length(p->layer) : 0;
-    if (p->layer && (gp_crypto_layer(&s->crypto, p->layer, strlen(p->layer)) ||
-                     (own && gp_crypto_layer(&s->crypto, p->layer, own - 1))))
+    if (p->layer &&
+        (gp_crypto_layer(&s->in->crypto, p->layer, strlen(p->layer)) ||
+         (own && gp_crypto_layer(&s->in->crypto, p->layer, own - 1))))
         return gp_fail(s->log, GP_ERR_USAGE,
                        "%s: layer %.200s is Cryptomatte: ids are no light and "
                        "are never filtered (layers of light: %s); give one of "
@@ -359,7 +358,6 @@ gp_status gp_exr_choose(const struct gp_log *log,
 {
     struct search s = {.log = log, .in = in, .first = first, .only = -1};
     char word[GP_CHANNEL_NAME + 1];
-    gp_exr_crypto(in, &s.crypto);
     if (p->part) {
         s.only = part_number(in, p->part);
         if (s.only < 0)

@@ -48,6 +48,7 @@ struct gp_input {
     struct gp_stream stream; // the bytes of exr
     int part, parts;         // colour part and number of parts
     struct gp_exr_part *each; // part
+    struct gp_crypto crypto;  // of all parts
     uint64_t
         end; // of the last chunk, by the offset tables of all parts, at most
              // stream.size; 0 when the tables are incomplete
@@ -98,10 +99,6 @@ const char *gp_exr_view_of(const struct gp_input *in, int part,
  * `in`. */
 GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
     const struct gp_input *in, int part, const char *view, const char ***out);
-
-/* The layers that cryptomatte's attributes name, of all parts; none for an
- * input that is NULL. */
-void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
 
 /* -- pixels --------------------------------------------------------------- */
 

@@ -93,10 +93,13 @@ uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
 bool gp_exr_bare_name(const struct gp_input *in, int part, const char *view,
                       const char *name, char *to);
 
+/* Finds in->crypto by the attributes of all parts. */
+void gp_exr_find_crypto(struct gp_input *in);
+
 /* Returns what a channel of a part holds: by its own layer, or by the part's
- * name when it has none. */
-enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
-    const struct gp_input *in, int part, const char *name);
+ * name when it has none. Without an input only its name says so. */
+enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_input *in, int part,
+                                          const char *name);
 
 struct gp_exr_choice {
     int part;

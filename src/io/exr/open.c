@@ -621,6 +621,7 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &in->index));
     GP_TRY(index_header(log, in));
     GP_TRY(parse_header(log, path, in));
+    gp_exr_find_crypto(in);
     // also parts and levels that are not read must be whole
     in->end = find_end(in);
     if (in->end == 0)

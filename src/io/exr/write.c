@@ -582,7 +582,6 @@ gp_status gp_write_hdr(const struct gp_log *log,
         .in = in,
         .kept = p->converted ? GP_EXR_KEEP_CONVERTED : GP_EXR_KEEP_ALL,
     };
-    struct gp_crypto crypto;
     gp_status st;
     const int parts = in ? in->parts : 1;
     GP_TRY(gp_alloc_zero(log, "parts", (size_t) parts, sizeof *w.part,
@@ -590,7 +589,6 @@ gp_status gp_write_hdr(const struct gp_log *log,
     w.parts = parts;
     // ids with one bit less are other ids. A compression that would do that was
     // asked for: AUTO loses nothing
-    gp_exr_crypto(in, &crypto);
     for (int i = 0; i < n; i++) {
         const int number = set[i].f->part;
         struct part *const to = &w.part[in ? number : 0];
@@ -602,8 +600,7 @@ gp_status gp_write_hdr(const struct gp_log *log,
         for (int k = 0; k < to->img.sources; k++) {
             const struct gp_exr_source *s = &to->img.source[k];
             if (s->data && loses(p->compression, s->type, s->name) &&
-                gp_exr_crypto_channel(&crypto, in, number, s->name) ==
-                    GP_CRYPTO_IDS)
+                gp_exr_crypto_channel(in, number, s->name) == GP_CRYPTO_IDS)
                 GP_TRY(gp_fail(
                     log, GP_ERR_USAGE,
                     "%s: this compression would change the Cryptomatte ids "
@@ -627,7 +624,6 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
     const struct gp_input *const in = gp_input_of(f);
     const size_t n = gp_frame_pixels(f);
     struct gp_planes from = {0}, to = {0};
-    struct gp_crypto crypto;
     char left[GP_CHANNEL_LIST] = "", converted[GP_CHANNEL_LIST] = "";
     const char **name = NULL; // of carried channels, "" of others
     gp_status st;
@@ -635,7 +631,6 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
                     &name));
     for (int i = 0; i < f->channels; i++)
         name[i] = f->channel[i].data ? f->channel[i].name : "";
-    gp_exr_crypto(in, &crypto);
     for (int i = 0; i < f->channels; i++) {
         const struct gp_channel *const red = &f->channel[i];
         const size_t len = gp_layer_length(red->name);
@@ -646,8 +641,7 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
         // a layer is converted when its first channel comes: R, or RY
         if (!name[i][0] || red->type == GP_UINT ||
             (len && !gp_is_light(red->name, len - 1)) ||
-            gp_exr_crypto_channel(&crypto, in, f->part, red->name) !=
-                GP_CRYPTO_NONE ||
+            gp_exr_crypto_channel(in, f->part, red->name) != GP_CRYPTO_NONE ||
             !gp_find_layer_colour(name, f->channels, layer, false, &colour) ||
             colour.index[0] != i || colour.model == GP_COLOUR_GREY)
             continue;

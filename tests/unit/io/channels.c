@@ -293,43 +293,41 @@ static void alpha_of_the_colour(void **state)
 
 static void layers_of_ids(void **state)
 {
-    static const struct gp_crypto told = {
-        .layer = {"uObject", "l.mat"},
-        .n = 2,
+    static struct gp_exr_part part = {.layer = "uObject"};
+    static const struct gp_input in = {
+        .each = &part,
+        .crypto = {.layer = {"uObject", "l.mat"}, .n = 2},
     };
     static const struct {
         const char *layer;
         enum gp_crypto_kind kind;
     } row[] = {
-        {"uObject00", GP_CRYPTO_IDS},     {"uObject99", GP_CRYPTO_IDS},
-        {"uObject", GP_CRYPTO_PREVIEW},   {"uObject0x", GP_CRYPTO_NONE},
-        {"uObjectx0", GP_CRYPTO_NONE},    {"uObject000", GP_CRYPTO_NONE},
-        {"uObjec00", GP_CRYPTO_NONE},     {"l.mat07", GP_CRYPTO_IDS},
-        {"mat07", GP_CRYPTO_NONE},        {"CryptoAsset02", GP_CRYPTO_IDS},
-        {"l.cryptoX12", GP_CRYPTO_IDS},   {"crypto12", GP_CRYPTO_IDS},
-        {"crypto1", GP_CRYPTO_NONE},      {"crypt012", GP_CRYPTO_NONE},
-        {"crypto.a12", GP_CRYPTO_NONE},   {"12", GP_CRYPTO_NONE},
+        {"uObject00", GP_CRYPTO_IDS},   {"uObject99", GP_CRYPTO_IDS},
+        {"uObject", GP_CRYPTO_PREVIEW}, {"uObject0x", GP_CRYPTO_NONE},
+        {"uObjectx0", GP_CRYPTO_NONE},  {"uObject000", GP_CRYPTO_NONE},
+        {"uObjec00", GP_CRYPTO_NONE},   {"l.mat07", GP_CRYPTO_IDS},
+        {"mat07", GP_CRYPTO_NONE},      {"CryptoAsset02", GP_CRYPTO_IDS},
+        {"l.cryptoX12", GP_CRYPTO_IDS}, {"crypto12", GP_CRYPTO_IDS},
+        {"crypto1", GP_CRYPTO_NONE},    {"crypt012", GP_CRYPTO_NONE},
+        {"crypto.a12", GP_CRYPTO_NONE}, {"12", GP_CRYPTO_NONE},
         {"", GP_CRYPTO_NONE},
     };
-    // a file that is not EXR has names of channels only
-    struct gp_crypto found = told;
-    gp_exr_crypto(NULL, &found);
-    assert_int_equal(found.n, 0);
     for (size_t i = 0; i < COUNT(row); i++) {
         char channel[40];
         const char *const layer = row[i].layer;
         const size_t len = strlen(layer);
-        if (gp_crypto_layer(&told, layer, len) != row[i].kind)
+        if (gp_crypto_layer(&in.crypto, layer, len) != row[i].kind)
             fail_msg("%s: not %d", layer, row[i].kind);
         snprintf(channel, sizeof channel, "%s.R", layer);
-        assert_int_equal(gp_exr_crypto_channel(&told, NULL, 0, channel),
-                         row[i].kind);
-        // without a layer of its own
-        assert_int_equal(gp_exr_crypto_channel(&told, NULL, 0, "R"),
-                         GP_CRYPTO_NONE);
-        assert_int_equal(gp_exr_crypto_channel(&told, NULL, 0, "R"),
-                         GP_CRYPTO_NONE);
+        assert_int_equal(gp_exr_crypto_channel(&in, 0, channel), row[i].kind);
     }
+    // without a layer of its own, and in a file that is not EXR
+    assert_int_equal(gp_exr_crypto_channel(&in, 0, "R"), GP_CRYPTO_NONE);
+    part.length = strlen(part.layer);
+    assert_int_equal(gp_exr_crypto_channel(&in, 0, "R"), GP_CRYPTO_PREVIEW);
+    assert_int_equal(gp_exr_crypto_channel(NULL, 0, "R"), GP_CRYPTO_NONE);
+    assert_int_equal(gp_exr_crypto_channel(NULL, 0, "l.mat07.R"),
+                     GP_CRYPTO_NONE);
 }
 
 /* Triples the light, and needs the frame that it is of. */
