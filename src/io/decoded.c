@@ -114,6 +114,8 @@ void gp_decoded_close(struct gp_decoded *image)
 {
     if (image->close)
         image->close(image);
+    else
+        gp_free(image->pixels);
     *image = (struct gp_decoded) {0};
 }
 

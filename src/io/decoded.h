@@ -25,7 +25,7 @@ struct gp_decoded {
     int attributes;
 
     float *pixels; // samples as stored, w * channels a row, interleaved
-    void (*close)(struct gp_decoded *image);
+    void (*close)(struct gp_decoded *image); // NULL: only `pixels` is owned
     void *own;
 };
 

@@ -65,11 +65,6 @@ gp_status gp_pfm_length(struct gp_stream *stream, uint64_t *length)
 
 // -- reading PFM --------------------------------------------------------------
 
-static void close_input(struct gp_decoded *image)
-{
-    gp_free(image->pixels);
-}
-
 static gp_status read_rows(const struct gp_log *log, const char *path,
     const struct gp_stream *stream, const struct header *h, float *to)
 {
@@ -128,9 +123,14 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
     }
     const struct gp_rect window = {0, 0, h.width, h.height};
     *out = (struct gp_decoded) {
-        .path = path, .data = window, .display = window, .pixel_aspect = 1.0f,
-        .channels = h.channels, .channel_name = h.channels == 3 ? rgb : grey,
-        .colour_space = "", .pixels = pixels, .close = close_input,
+        .path = path,
+        .data = window,
+        .display = window,
+        .pixel_aspect = 1.0f,
+        .channels = h.channels,
+        .channel_name = h.channels == 3 ? rgb : grey,
+        .colour_space = "",
+        .pixels = pixels,
     };
     return GP_OK;
 }

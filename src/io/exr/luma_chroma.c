@@ -66,9 +66,16 @@ static void chroma_row(void *ctx, int i, int thread)
 /* RY or BY of row y: odd rows are filtered, rows outside repeat the ends. */
 static void chroma_of_row(const struct rows *r, int c, int y, float *out)
 {
-    const size_t w = (size_t) r->in->w;
-    const int last = r->in->h / 2 - 1;
+    const struct gp_yc *const in = r->in;
+    const size_t w = (size_t) in->w;
+    const int last = in->h / 2 - 1;
     const float *source[TAPS];
+    if (in->ys == 1) {
+        memcpy(out,
+               (c ? in->by : in->ry) + (size_t) gp_clamp(y, 0, in->h - 1) * w,
+               w * sizeof *out);
+        return;
+    }
     if (y % 2 == 0) {
         memcpy(out, r->chroma[c] + (size_t) gp_min(y / 2, last) * w,
                w * sizeof *out);
@@ -83,7 +90,7 @@ static void chroma_of_row(const struct rows *r, int c, int y, float *out)
             sum += source[k][x] * tap[k];
         out[x] = sum;
     }
-    keep_half(r->in, out);
+    keep_half(in, out);
 }
 
 /* -- colour --------------------------------------------------------------- */
@@ -121,7 +128,7 @@ static void colour_row(void *ctx, int i, int thread)
     const int y = i - 1;
     const size_t w = (size_t) in->w;
     // luminance of a row outside is that of the chroma row in its place
-    const int inside = y >= in->h ? in->h - 2 : gp_max(y, 0);
+    const int inside = gp_max(y >= in->h ? in->h - 2 : y, 0);
     float *rgb[3];
     (void) thread;
     for (int c = 0; c < 3; c++)
@@ -176,41 +183,23 @@ static void fix_row(void *ctx, int y, int thread)
     }
 }
 
-/* Chroma at every pixel: nothing was filtered, so nothing rings. */
-static void full_row(void *ctx, int y, int thread)
-{
-    const struct rows *rows = ctx;
-    const struct gp_yc *in = rows->in;
-    (void) thread;
-    const size_t w = (size_t) in->w, at = (size_t) y * w;
-    float *const *out = rows->out->c;
-    memcpy(out[0] + at, in->ry + at, w * sizeof(float));
-    memcpy(out[2] + at, in->by + at, w * sizeof(float));
-    row_to_rgb(in->weight, in->y + at, out[0] + at, out[1] + at, out[2] + at,
-               in->w);
-    for (int c = 0; c < 3; c++)
-        keep_half(in, out[c] + at);
-}
-
 gp_status gp_yc_to_rgb(const struct gp_log *log, const struct gp_yc *in,
                        struct gp_planes *out)
 {
     gp_status st;
-    const size_t w = (size_t) in->w, h = (size_t) in->h, chroma_rows = h / 2;
+    const size_t w = (size_t) in->w, h = (size_t) in->h;
+    // chroma of every pixel is not filtered, so that nothing rings
+    const int chroma_rows = in->ys == 1 ? 0 : in->h / 2;
     struct rows rows = {.in = in, .out = out};
-    if (in->xs == 1) {
-        gp_parallel_do(in->h, full_row, &rows);
-        return GP_OK;
-    }
     for (int c = 0; c < 2; c++)
-        GP_TRY(gp_alloc(log, "chroma", chroma_rows * w, sizeof(float),
+        GP_TRY(gp_alloc(log, "chroma", (size_t) chroma_rows * w, sizeof(float),
                         &rows.chroma[c]));
     GP_TRY(gp_alloc(log, "chroma", 6 * w, sizeof(float), &rows.outside));
     GP_TRY(gp_alloc(log, "chroma", (h + 2) * w, sizeof(float),
                     &rows.saturation));
-    gp_parallel_do((int) chroma_rows, chroma_row, &rows);
+    gp_parallel_do(chroma_rows, chroma_row, &rows);
     gp_parallel_do(in->h + 2, colour_row, &rows);
-    gp_parallel_do(in->h, fix_row, &rows);
+    gp_parallel_do(chroma_rows ? in->h : 0, fix_row, &rows);
 out:
     gp_free(rows.chroma[0]);
     gp_free(rows.chroma[1]);
