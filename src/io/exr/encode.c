@@ -76,7 +76,7 @@ static int by_offset(const void *a, const void *b)
 {
     const uint64_t *const p = *(const uint64_t *const *) a;
     const uint64_t *const q = *(const uint64_t *const *) b;
-    return *p != *q ? (*p > *q) - (*p < *q) : (p > q) - (p < q);
+    return *p != *q ? (*p > *q ? 1 : -1) : (p > q) - (p < q);
 }
 
 gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
