@@ -526,15 +526,11 @@ static gp_status add_type_up(const struct reading *c, const struct type *t,
     memset(sum, 0, n * sizeof *sum);
     for (int i = 0; i < RANKS && !st; i++) {
         struct adding a = {.c = c, .sum = sum};
-        struct rank r = t->rank[i];
-        if (!r.there)
+        const struct rank *const r = &t->rank[i];
+        if (!r->there)
             continue;
-        for (int k = 0; k < 4; k += 2) { // no coverage without an id
-            if (r.channel[k] < 0)
-                r.channel[k + 1] = -1;
-        }
-        st =
-            gp_read_channels(c->log, c->p, c->f, r.part, r.channel, 4, a.plane);
+        st = gp_read_channels(c->log, c->p, c->f, r->part, r->channel, 4,
+                              a.plane);
         for (int k = 0; k < 4; k += 2) {
             if (a.plane[k].v)
                 a.both = gp_rect_meet(a.plane[k].window, c->f->data);
