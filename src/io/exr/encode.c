@@ -92,12 +92,13 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
     const uint64_t **order = NULL;
     GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *order, &order));
     gp_exr_fault_clear();
-    if (n < 1 || !gp_exr_offsets_read(in, from, 0, n, offset))
+    if (n < 1)
         st = GP_ERR_DATA;
-    for (int i = 0; !st && i < n; i++)
+    for (int i = 0; i < n; i++) {
+        offset[i] = in->index->offset[in->each[from].first + (uint64_t) i];
         order[i] = &offset[i];
-    if (!st)
-        qsort(order, (size_t) n, sizeof *order, by_offset);
+    }
+    qsort(order, (size_t) n, sizeof *order, by_offset);
     for (int i = 0; !st && i < n; i++) {
         const uint64_t at = *order[i]; // begin_chunk() replaces it
         const uint64_t bytes = gp_exr_chunk_bytes(in, from, at);

@@ -33,7 +33,7 @@ struct gp_exr_part {
     int tile_w, tile_h;               // of a chunk of level 0; 0: not known, or
                                       // the width of scanlines
     int chunks;                       // entries of its offset table
-    uint64_t table;                   // first byte of that
+    uint64_t first;                   // of these among those of all parts
     uint64_t from, to; // its attributes, with the null that ends them
     const struct gp_exr_attr *attr; // `attrs` of them (exr_priv.h)
     int attrs;

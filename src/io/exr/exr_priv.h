@@ -51,9 +51,8 @@ struct gp_exr_index {
     uint64_t type;    // first byte of the attribute "type" of a flat file; or 0
     uint64_t tables;  // first byte of the offset tables, after the header; 0:
                       // it is damaged
-    uint64_t
-        *rebuilt; // in place of the tables of all parts; NULL: the file's own
-    uint64_t chunks; // of all parts
+    uint64_t *offset; // the tables of all parts, `chunks` entries
+    uint64_t chunks;
     int parts;
     struct gp_exr_attr *attr; // of all parts
     int attrs;
@@ -74,10 +73,6 @@ enum {
 };
 
 /* -- chunks as bytes (open.c) --------------------------------------------- */
-
-/* Reads `n` entries of a part's offset table; false: they are not all there. */
-bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
-                         uint64_t *offset);
 
 /* Bytes of the chunk at `offset`, leader included; offset and bytes together
  * are more than the file has where it is truncated. 0 when no chunk of that

@@ -138,7 +138,7 @@ static bool read_attribute(struct walk *w, size_t *at, struct gp_exr_attr *out)
         return false;
     value = size + sizeof out->size;
     out->size = gp_le32(w->in->index->bytes + size);
-    // it is not the file's last
+    // after it comes another, or the null that ends them
     if (out->size > INT_MAX || !has(w, value + out->size + 1))
         return false;
     const uint8_t *const bytes = w->in->index->bytes;
@@ -296,7 +296,7 @@ const struct gp_exr_attr *gp_exr_attr_find(const struct gp_exr_part *part,
 
 /* -- the library's context ------------------------------------------------ */
 
-/* Puts the rebuilt tables, little-endian as in the file, over its bytes from
+/* Puts the offset tables, little-endian as in the file and maybe rebuilt, over its bytes from
  * `first` to `end`, which `to` has. */
 static void lay_tables(const struct gp_exr_index *index, void *to,
                        uint64_t first, uint64_t end)
@@ -306,7 +306,7 @@ static void lay_tables(const struct gp_exr_index *index, void *to,
     const uint64_t b = end < last ? end : last;
     if (a < b)
         memcpy((char *) to + (a - first),
-               (const char *) index->rebuilt + (a - index->tables), b - a);
+               (const char *) index->offset + (a - index->tables), b - a);
 }
 
 /* Some files of one part have the "type" attribute of another file: OpenEXR's
@@ -328,7 +328,7 @@ static int64_t read_for_library(exr_const_context_t ctxt, void *user, void *to,
     // with the flag of deep parts it would ask flat ones for a version, too
     if (got > 5 - (int64_t) offset && offset < 6 && in->index->multi)
         ((char *) to)[5 - offset] &= ~(GP_EXR_DEEP >> 8);
-    if (got > 0 && in->index->rebuilt)
+    if (got > 0 && in->index->offset)
         lay_tables(in->index, to, offset, offset + (uint64_t) got);
     return got;
 }
@@ -415,9 +415,9 @@ static void describe(const struct gp_input *in, int number,
 }
 
 /* Parses the header with the library, and finds the offset tables. */
-static gp_status parse_header(const struct gp_log *log, const char *path,
-                              struct gp_input *in)
+static gp_status parse_header(const struct gp_log *log, struct gp_input *in)
 {
+    const char *const path = in->path;
     struct gp_exr_index *const index = in->index;
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = keep_reason;
@@ -442,32 +442,18 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
     if (why)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the EXR header is damaged or truncated (%s); copy "
-                       "or render the file again", path, why);
-    uint64_t at = index->tables;
+                       "or render the file again",
+                       path, why);
     for (int i = 0; i < in->parts; i++) {
         struct gp_exr_part *const part = &in->each[i];
         describe(in, i, part);
-        part->table = at;
-        at += (uint64_t) part->chunks * sizeof(uint64_t);
+        part->first = index->chunks;
+        index->chunks += (uint64_t) part->chunks;
     }
-    index->chunks = (at - index->tables) / sizeof(uint64_t);
     return GP_OK;
 }
 
 /* -- chunks as bytes ------------------------------------------------------ */
-
-bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
-                         uint64_t *offset)
-{
-    const uint64_t bytes = (uint64_t) n * sizeof *offset;
-    const uint64_t at =
-        in->each[part].table + (uint64_t) first * sizeof *offset;
-    const bool whole =
-        gp_exr_read_bytes(&in->stream, offset, bytes, at) == (int64_t) bytes;
-    if (whole && in->index->rebuilt)
-        lay_tables(in->index, offset, at, at + bytes);
-    return whole;
-}
 
 /* The leader has, all numbers little-endian: the part in files of several; y,
  * or tile x and y and level x and y; the bytes that follow, in deep parts of
@@ -502,38 +488,40 @@ uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
     return size;
 }
 
-/* gp_input.end, or more where the file is truncated. */
-static uint64_t find_end(const struct gp_input *in)
+/* Reads the offset tables, and finds in->end, or more where the file is
+ * truncated. */
+static gp_status read_tables(const struct gp_log *log, struct gp_input *in)
 {
-    enum { BLOCK = 512 };
-    const struct gp_exr_part *const end = &in->each[in->parts - 1];
-    uint64_t offset[BLOCK], last = 0;
-    const uint64_t tables =
-        end->table + (uint64_t) end->chunks * sizeof *offset;
+    struct gp_exr_index *const index = in->index;
+    const uint64_t bytes = index->chunks * sizeof *index->offset;
+    uint64_t last = 0;
     int last_part = 0;
-    if (tables > in->stream.size)
-        return tables;
+    in->end = index->tables + bytes;
+    if (in->end > in->stream.size)
+        return GP_OK;
+    const gp_status st = gp_alloc(log, in->path, index->chunks,
+                                  sizeof *index->offset, &index->offset);
+    if (st)
+        return st;
+    if (gp_exr_read_bytes(&in->stream, index->offset, bytes, index->tables) !=
+        (int64_t) bytes)
+        return gp_exr_fault_print(log, in->path, GP_ERR_IO);
+    bool written = true;
     for (int p = 0; p < in->parts; p++) {
-        const int chunks = in->each[p].chunks;
-        if (chunks < 1)
-            return 0;
-        for (int i = 0; i < chunks; i += BLOCK) {
-            const int n = gp_min(chunks - i, BLOCK);
-            if (!gp_exr_offsets_read(in, p, i, n, offset))
-                return 0;
-            for (int k = 0; k < n; k++) {
-                if (offset[k] == 0) // never written
-                    return 0;
-                if (offset[k] > last) {
-                    last = offset[k];
-                    last_part = p;
-                }
-            }
+        const struct gp_exr_part *const own = &in->each[p];
+        written = written && own->chunks > 0;
+        for (int i = 0; i < own->chunks; i++) {
+            const uint64_t at = index->offset[own->first + (uint64_t) i];
+            written = written && at > 0;
+            last_part = at > last ? p : last_part;
+            last = at > last ? at : last;
         }
     }
-    const uint64_t bytes =
-        last >= tables ? gp_exr_chunk_bytes(in, last_part, last) : 0;
-    return bytes ? last + bytes : 0;
+    const uint64_t size = written && last >= in->end
+                              ? gp_exr_chunk_bytes(in, last_part, last)
+                              : 0;
+    in->end = size ? last + size : 0;
+    return GP_OK;
 }
 
 /* Returns the place in the tables of the chunk at an offset, by its leader;
@@ -561,15 +549,13 @@ static int64_t chunk_place(const struct gp_input *in, uint64_t offset,
             return -1;
         k = number[2] * across + number[1];
     }
-    const int64_t first = (int64_t) (p->table - in->index->tables) / 8;
-    return k >= 0 && k < p->chunks ? first + k : -1;
+    return k >= 0 && k < p->chunks ? (int64_t) p->first + k : -1;
 }
 
 /* Rebuilds the tables of a file whose writer left them out (OpenImageIO 2.4.7's
  * of some lat-long pictures), as OpenEXR's library does, if a walk finds each
  * chunk once and nothing else: else they stay as they are. */
-static gp_status rebuild_tables(const struct gp_log *log, const char *path,
-                                struct gp_input *in)
+static gp_status rebuild_tables(const struct gp_log *log, struct gp_input *in)
 {
     struct gp_exr_index *const index = in->index;
     uint64_t at = index->tables + 8 * index->chunks, found = 0;
@@ -577,7 +563,7 @@ static gp_status rebuild_tables(const struct gp_log *log, const char *path,
     if (!index->chunks || at > in->stream.size)
         return GP_OK;
     const gp_status st =
-        gp_alloc_zero(log, path, index->chunks, sizeof *table, &table);
+        gp_alloc_zero(log, in->path, index->chunks, sizeof *table, &table);
     if (st)
         return st;
     for (; at < in->stream.size; found++) {
@@ -593,12 +579,13 @@ static gp_status rebuild_tables(const struct gp_log *log, const char *path,
         gp_free(table);
         return GP_OK;
     }
-    index->rebuilt = table;
+    gp_free(index->offset);
+    index->offset = table;
     in->end = at;
     gp_say(log, GP_LEVEL_WARN,
            "%s: its offset table is incomplete; the chunks are "
            "all there and were found without it",
-           path);
+           in->path);
     return GP_OK;
 }
 
@@ -620,12 +607,12 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
         GP_TRY(gp_no_memory(log, path));
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &in->index));
     GP_TRY(index_header(log, in));
-    GP_TRY(parse_header(log, path, in));
+    GP_TRY(parse_header(log, in));
     gp_exr_find_crypto(in);
     // also parts and levels that are not read must be whole
-    in->end = find_end(in);
+    GP_TRY(read_tables(log, in));
     if (in->end == 0)
-        GP_TRY(rebuild_tables(log, path, in));
+        GP_TRY(rebuild_tables(log, in));
     if (in->end > in->stream.size)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: truncated (%llu bytes, its chunks need %llu); copy "
@@ -649,7 +636,7 @@ void gp_input_free(void *input)
     gp_stream_close(&in->stream);
     if (in->index) {
         gp_free(in->index->bytes);
-        gp_free(in->index->rebuilt);
+        gp_free(in->index->offset);
         gp_free(in->index->attr);
     }
     gp_free(in->index);

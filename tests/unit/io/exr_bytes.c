@@ -270,22 +270,15 @@ static void tables_never_written(void **state)
         struct gp_input *in = open_bytes(bytes, size);
         const struct gp_exr_index *const index = in->index;
         const uint64_t tables = index->tables, n = index->chunks;
-        uint64_t *const own = malloc(8 * n), *const got = malloc(8 * n);
+        uint64_t *const own = malloc(8 * n);
         assert_non_null(own);
-        assert_non_null(got);
         gp_input_free(in);
         memcpy(own, bytes + tables, 8 * n);
         memset(bytes + tables + 8, 0, 8 * (n - 1)); // but for the first
         in = open_bytes(bytes, size);
         assert_int_equal(in->end, row[i].found ? size : 0);
-        uint64_t at = 0;
-        for (int p = 0; p < in->parts && row[i].found; p++) {
-            const int chunks = in->each[p].chunks;
-            assert_true(gp_exr_offsets_read(in, p, 0, chunks, got + at));
-            at += (uint64_t) chunks;
-        }
         if (row[i].found) {
-            assert_memory_equal(got, own, 8 * n);
+            assert_memory_equal(in->index->offset, own, 8 * n);
             assert_non_null(strstr(kept_warning, "incomplete"));
         }
         gp_input_free(in);
@@ -309,7 +302,6 @@ static void tables_never_written(void **state)
         fixture_save(path, bytes, size);
         free(bytes);
         free(own);
-        free(got);
     }
 }
 
