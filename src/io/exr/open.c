@@ -494,10 +494,11 @@ static gp_status read_tables(const struct gp_log *log, struct gp_input *in)
 {
     struct gp_exr_index *const index = in->index;
     const uint64_t bytes = index->chunks * sizeof *index->offset;
+    const uint64_t tables_end = index->tables + bytes;
     uint64_t last = 0;
     int last_part = 0;
-    in->end = index->tables + bytes;
-    if (in->end > in->stream.size)
+    in->end = tables_end;
+    if (tables_end > in->stream.size)
         return GP_OK;
     const gp_status st = gp_alloc(log, in->path, index->chunks,
                                   sizeof *index->offset, &index->offset);
@@ -517,7 +518,7 @@ static gp_status read_tables(const struct gp_log *log, struct gp_input *in)
             last = at > last ? at : last;
         }
     }
-    const uint64_t size = written && last >= in->end
+    const uint64_t size = written && last >= tables_end
                               ? gp_exr_chunk_bytes(in, last_part, last)
                               : 0;
     in->end = size ? last + size : 0;
