@@ -165,13 +165,13 @@ static gp_status run_thinned(struct trial *t, int nth)
     if (!(share[1] > share[0]))
         goto out;
     const double ms[2] = {part[0].ms, part[1].ms};
+    const double all = gp_bench_whole_ms(share, ms);
+    const double part_of = row->facts.polygons ? share[1] : (double) NAN;
     row->share = share[1];
-    row->extrapolated = true;
-    row->runs = 1;
-    row->ms = row->ms_min = row->ms_max = gp_bench_whole_ms(share, ms);
-    row->ms_first = row->ms + fmax(first.ms - part[0].ms, 0.0);
-    row->polygons = (double) row->facts.polygons / row->share;
-    row->polygon_pixels = row->facts.polygon_pixels / row->share;
+    row->took = (struct gp_bench_took) {
+        all, all, all, all + fmax(first.ms - part[0].ms, 0.0), 1};
+    row->polygons = (double) row->facts.polygons / part_of;
+    row->polygon_pixels = row->facts.polygon_pixels / part_of;
 out:
     return st;
 }
@@ -189,21 +189,19 @@ static gp_status run_first(struct trial *t, const char *engine,
     gp_status st = GP_OK;
     if (grows && sources > MANY)
         st = run_thinned(t, sources > 10 * MANY ? 100 : 10);
-    if (st || (row->extrapolated && row->ms > LONG_MS)) {
-        row->bound = NAN;
+    if (st || (!isnan(row->share) && row->took.ms > LONG_MS))
         return st;
-    }
-    row->extrapolated = false; // faster than that
+    row->share = NAN; // faster than that
     struct run r;
     st = run_once(t, b->f, &r, out);
-    t->times.total = row->ms_first = r.ms;
+    t->times.total = row->took.first = r.ms;
     return st;
 }
 
 /* Tests whether a trial has a run to come. */
 static bool has_turn(const struct trial *t)
 {
-    return !t->st && !t->same && !t->row->extrapolated &&
+    return !t->st && !t->same && isnan(t->row->share) &&
            t->times.total < ROW_MS && t->times.n < t->b->req->params->runs;
 }
 
@@ -227,17 +225,12 @@ static void end_runs(struct trial *t)
         struct gp_bench_row *const other = t->same->row;
         other->twin = row->name;
         row->same = other->name;
-        row->runs = other->runs;
-        row->ms = other->ms;
-        row->ms_min = other->ms_min;
-        row->ms_max = other->ms_max;
-        row->ms_first = other->ms_first;
+        row->took = other->took;
         row->bound = other->bound;
-    } else if (!t->st && !row->extrapolated) {
+    } else if (!t->st && isnan(row->share)) {
         if (!t->times.n)
-            gp_bench_time(&t->times, row->ms_first); // the only one: it is long
-        row->runs = t->times.n;
-        row->ms = gp_bench_spread(&t->times, &row->ms_min, &row->ms_max);
+            gp_bench_time(&t->times, row->took.first); // the only one: long
+        gp_bench_spread(&t->times, &row->took);
     }
 }
 
@@ -267,8 +260,11 @@ static gp_status measure_error(const struct gp_bench *b,
     GP_TRY(glarepp_frame_view(frame, GLAREPP_GLARE, 0, &layer));
     GP_TRY(glarepp_frame_set(b->truth, GLAREPP_GLARE, &layer));
     GP_TRY(glarepp_frame_run(b->truth, GLAREPP_VERIFY));
-    row->error = glarepp_frame_facts(b->truth)->errors;
-    row->measured = true;
+    const struct glarepp_errors *const e =
+        &glarepp_frame_facts(b->truth)->errors;
+    row->error[GP_REL_L2] = e->rel_l2;
+    row->error[GP_MAX_REL] = e->max_rel;
+    row->max_abs = e->max_abs;
     if (b->shown.c[0]) {
         GP_TRY(show(frame, &picture));
         exact = picture;
@@ -276,7 +272,7 @@ static gp_status measure_error(const struct gp_bench *b,
             exact.plane[k] = b->shown.c[k];
         GP_TRY(gp_bench_compare(b->req->gp, &exact, &picture, true, &facts,
                                 page ? &map : NULL));
-        row->flip = facts.flip;
+        row->error[GP_FLIP] = facts.flip;
         if (page)
             GP_TRY(b->req->picture(b->req->user, b->log, row->name,
                                    row->options, &picture, &exact, &map));
@@ -297,8 +293,9 @@ static void begin_trial(struct gp_bench *b,
     if (!t->st)
         t->st = run_first(t, technique->engine, &frame);
     if (!t->st && frame) {
-        row->polygons = (double) row->facts.polygons;
-        row->polygon_pixels = row->facts.polygon_pixels;
+        const double part = row->facts.polygons ? 1.0 : (double) NAN;
+        row->polygons = part * (double) row->facts.polygons;
+        row->polygon_pixels = part * row->facts.polygon_pixels;
         // no plane bounds what it is off true angles
         if (!b->angles || technique->follows)
             row->bound = row->facts.bound;
@@ -312,10 +309,10 @@ static void begin_trial(struct gp_bench *b,
 /* Tests whether a row of `auto` is a computation that another row has, too. */
 static bool is_same(const struct gp_bench_row *a, const struct gp_bench_row *b)
 {
-    return a->measured && b->measured &&
+    return a->max_abs == b->max_abs && // of none NaN
            strcmp(a->facts.engine, b->facts.engine) == 0 &&
            a->facts.in_double == b->facts.in_double &&
-           memcmp(&a->error, &b->error, sizeof a->error) == 0;
+           memcmp(a->error, b->error, sizeof a->error) == 0;
 }
 
 static gp_status end_trial(struct trial *t)
@@ -327,19 +324,21 @@ static gp_status end_trial(struct trial *t)
     row->facts.gl = row->gl;
     if (!st)
         row->why[0] = '\0'; // written for a context that another replaced
-    else if (!row->why[0])
+    else
+        row->took.first = NAN;
+    if (st && !row->why[0])
         snprintf(row->why, sizeof row->why, "%s", gp_status_text(st));
     // a technique that cannot run here is a row, not an error of bench
     if (st && st != GP_ERR_GL && st != GP_ERR_USAGE)
         return gp_fail(log, st, "%s: %s", row->name, row->why);
     if (st)
         gp_say(log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name, row->why);
-    else if (row->extrapolated)
+    else if (!isnan(row->share))
         gp_say(log, GP_LEVEL_INFO, "%s: %.3g ms, extrapolated", row->name,
-               row->ms);
+               row->took.ms);
     else
         gp_say(log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
-               row->ms, row->error.rel_l2);
+               row->took.ms, row->error[GP_REL_L2]);
     return GP_OK;
 }
 

@@ -66,40 +66,41 @@ enum {
 void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
                       bool plane, char *line, size_t size);
 
+/* Measures of an error, of which FLIP is a mean of LDR-FLIP, and limits that a user
+ * may have for it. */
+enum { GP_REL_L2, GP_MAX_REL, GP_FLIP, GP_BENCH_BY, GP_BENCH_WITHIN = 4 };
+extern const char *const gp_bench_by[GP_BENCH_BY];
+extern const double gp_bench_within[GP_BENCH_WITHIN];
+
+/* What runs took, in milliseconds: median and range of `runs` with state kept,
+ * and the first, which makes it. NaN: not known. */
+struct gp_bench_took {
+    double ms, least, most, first;
+    int runs;
+};
+
 /* One technique on one frame. */
 struct gp_bench_row {
     const char *name;          // of the technique
     char options[128];
     char why[GP_BENCH_WHY];    // reason that it could not run; "": it ran
 
-    double ms, ms_min, ms_max; // median and range of `runs` with state kept
-    double ms_first;           // of the first run, which makes the state
-    int runs;
-    bool extrapolated; // of `share` of the sources; ms_min = ms_max
-    double share;
+    // numbers are NaN where they are not known
+    struct gp_bench_took took;
+    double share; // of the sources, of which it is extrapolated
 
     struct glarepp_layer_facts facts; // its gl is `gl`
     char gl[128];              // renderer; "": no GL
     double polygons, polygon_pixels; // of facts, extrapolated too
-    double bound;              // NaN: not known; INFINITY: no guarantee
-    bool measured;             // `error` is known; never when extrapolated
-    struct glarepp_errors error;
-    double flip;               // mean LDR-FLIP; NaN: not defined
+    double bound;                    // INFINITY: no guarantee
+    double error[GP_BENCH_BY];       // never when extrapolated
+    double max_abs;
     const char *layer;         // "flare", "lens"; NULL: the kernel's
     const char *same;          // auto: the row that computes the same, whose
                                // figures it has; or NULL
     const char *twin;          // the row of which this one is `same`; or NULL
     bool pareto; // no row of the layer is nearer and surely faster
 };
-
-/* Measures of an error, and limits that a user may have for it. */
-enum { GP_BENCH_BY = 3, GP_BENCH_WITHIN = 4 };
-extern const char
-    *const gp_bench_by[GP_BENCH_BY]; // "rel_l2", "max_rel", "flip"
-extern const double gp_bench_within[GP_BENCH_WITHIN];
-
-/* The row's error by measure `by`; NaN: not known. */
-double gp_bench_error(const struct gp_bench_row *r, int by);
 
 enum { GP_BENCH_OUTPUTS = 11 + GP_PNG_LEVELS + 1 }; // of EXR, of PNG
 
@@ -109,8 +110,7 @@ struct gp_bench_output {
     char options[40];
     enum gp_compression compression; // of EXR
     int png_level;
-    double median, least, most;
-    int runs; // fewer than asked for where they are long
+    struct gp_bench_took took; // fewer runs than asked for where they are long
     long long bytes;
     bool usual;             // the job does so without options
     bool pareto;            // none of the format is smaller and surely faster
@@ -119,8 +119,8 @@ struct gp_bench_output {
 
 /* A frame's way from file to file, in milliseconds, and its ends. */
 struct gp_bench_whole {
-    double read_ms;           // NaN: a pipe
-    double glare_ms, tone_ms; // bright pass to layer; compose and tone map
+    // a read, NaN of a pipe; bright pass to layer; compose and tone map
+    struct gp_bench_took read, glare, tone;
     struct gp_bench_output output[GP_BENCH_OUTPUTS];
     int outputs; // 0: not measured
 };
@@ -181,23 +181,20 @@ struct gp_bench_times {
 };
 void gp_bench_time(struct gp_bench_times *t, double ms);
 
-/* Sorts at least one time; returns the median. */
-double gp_bench_spread(struct gp_bench_times *t, double *least, double *most);
+/* Sorts at least one time, and sets all of *out but `first`. */
+void gp_bench_spread(struct gp_bench_times *t, struct gp_bench_took *out);
 
-/* A cell of a table: text, a number, or nothing. CSV and JSON have the same. */
-struct gp_bench_cell {
-    const char *name;  // of its column
-    const char *text;  // or NULL
-    double number;     // NaN: nothing
-    enum { GP_CELL_REAL, GP_CELL_WHOLE, GP_CELL_TRUTH } kind; // of the number
-};
+/* A number of a row: NULL, which "so*" leaves out, of NaN, and null of infinity;
+ * and one of milliseconds, to the microsecond. */
+json_t *gp_bench_number(double v);
+json_t *gp_bench_ms(double ms);
 
-/* Writes rows of cells as CSV, RFC 4180, after a line of their names. */
-GP_MUST_CHECK gp_status gp_bench_save_csv(const struct gp_log *log,
-    const char *path, const struct gp_bench_cell *c, int rows, int cells);
-
-/* Makes an object of a row, unknown cells left out. */
-json_t *gp_bench_json_row(const struct gp_bench_cell *c, int cells);
+/* Writes the files of `p` but its plot: `all`, whose reference it takes, as JSON, and
+ * the "rows" of its "frames", or its own, as CSV (RFC 4180): of each a row's values
+ * of `columns` (NULL ends), or its frame's. */
+GP_MUST_CHECK gp_status gp_bench_save(const struct gp_log *log,
+                                      const struct gp_bench_params *p,
+                                      json_t *all, const char *const *columns);
 
 /* Makes an object of a frame and its rows, as in the JSON of the table. */
 json_t *gp_bench_json_frame(const struct gp_bench_frame *f);

@@ -101,7 +101,7 @@ out:
 /* Measures layers against exact ones, and composites, if light is added. */
 static gp_status compare_extra(const struct gp_bench *b,
                                struct glarepp_frame *frame[2],
-                               struct glarepp_errors *out)
+                               struct gp_bench_row *out)
 {
     struct glarepp_image view[2];
     struct glarepp_compare_facts f;
@@ -109,7 +109,7 @@ static gp_status compare_extra(const struct gp_bench *b,
     for (int k = 0; k < 2; k++)
         GP_TRY(glarepp_frame_view(frame[k], GLAREPP_GLARE, 0, &view[k]));
     GP_TRY(gp_bench_compare(b->req->gp, &view[1], &view[0], false, &f, NULL));
-    out->rel_l2 = f.rel_l2;
+    out->error[GP_REL_L2] = f.rel_l2;
     out->max_abs = f.max;
     for (int k = 0; k < 2; k++) {
         GP_TRY(glarepp_frame_run(frame[k], GLAREPP_COMPOSE));
@@ -117,7 +117,7 @@ static gp_status compare_extra(const struct gp_bench *b,
         GP_TRY(glarepp_frame_view(frame[k], GLAREPP_LIT, 0, &view[k]));
     }
     GP_TRY(gp_bench_compare(b->req->gp, &view[1], &view[0], false, &f, NULL));
-    out->max_rel = f.max_rel;
+    out->error[GP_MAX_REL] = f.max_rel;
 out:
     return st;
 }
@@ -133,22 +133,20 @@ static gp_status run_extra(const struct gp_bench *b, const struct extra *e,
     for (int k = 0; k < 2; k++)
         GP_TRY(plan_extra(b, e, k == 1, &plan[k]));
     GP_TRY(draw_extra(b, e, plan[1], &frame[1], &took));
-    GP_TRY(draw_extra(b, e, plan[0], &frame[0], &row->ms_first));
+    GP_TRY(draw_extra(b, e, plan[0], &frame[0], &row->took.first));
     do {
         glarepp_frame_end(&frame[0]);
         GP_TRY(draw_extra(b, e, plan[0], &frame[0], &took));
         gp_bench_time(&times, took);
     } while (times.n < b->req->params->runs &&
-             row->ms_first + times.total < ROW_MS);
-    row->runs = times.n;
-    row->ms = gp_bench_spread(&times, &row->ms_min, &row->ms_max);
+             row->took.first + times.total < ROW_MS);
+    gp_bench_spread(&times, &row->took);
     row->bound = e->step == GLAREPP_FLARE
                      ? glarepp_frame_facts(frame[0])->flare.bound
                      : (double) NAN;
-    GP_TRY(compare_extra(b, frame, &row->error));
-    row->measured = true;
+    GP_TRY(compare_extra(b, frame, row));
     gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
-           row->ms, row->error.rel_l2);
+           row->took.ms, row->error[GP_REL_L2]);
 out:
     for (int k = 0; k < 2; k++) {
         glarepp_frame_end(&frame[k]);

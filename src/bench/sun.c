@@ -18,7 +18,7 @@ struct row {
     struct glarepp_light_params p;
     char name[40];
     char why[GP_BENCH_WHY]; // "": it ran
-    double ms, least, most, first;
+    struct gp_bench_took took;
     double visibility;     // of the first light
     double mean, worst;    // error over all lights
 };
@@ -94,9 +94,9 @@ static gp_status measure_row(struct bench *b, struct row *r)
         if (run)
             gp_bench_time(&b->times, gp_now_ms() - start);
         else
-            r->first = gp_now_ms() - start;
+            r->took.first = gp_now_ms() - start;
     }
-    r->ms = gp_bench_spread(&b->times, &r->least, &r->most);
+    gp_bench_spread(&b->times, &r->took);
     const struct glarepp_facts *const facts = glarepp_frame_facts(frame);
     r->visibility = facts->lights ? facts->light[0].visibility : 0.0;
     for (int i = 0; i < b->lights; i++) {
@@ -129,67 +129,53 @@ static void print_table(const struct bench *b)
            "max", "first", "visible", "mean error", "worst");
     for (int i = 0; i < ROWS; i++) {
         const struct row *const r = &b->row[i];
+        const struct gp_bench_took *const t = &r->took;
         if (r->why[0])
             printf("  %-26s cannot run: %s\n", r->name,
                    gp_printable(r->why).text);
         else
             printf("  %-26s %8.3f %8.3f %8.3f %8.1f %10.6f %10.2g %10.2g\n",
-                   r->name, r->ms, r->least, r->most, r->first, r->visibility,
+                   r->name, t->ms, t->least, t->most, t->first, r->visibility,
                    r->mean, r->worst);
     }
     const struct row *const back = &b->row[1], *const mask = &b->row[MASK + 8];
     if (!mask->why[0] && !back->why[0])
         printf("readback over %s: %.2f times (the paper, on a GPU of 2002: "
-               "1.92)\n", mask->name, back->ms / mask->ms);
+               "1.92)\n",
+               mask->name, back->took.ms / mask->took.ms);
     printf("error: to exact\n");
     if (b->gl[0])
         printf("GL ran on %s\n", gp_printable(b->gl).text);
 }
 
-enum { CELLS = 9 };
-
-/* All cells of a row; the last is not of CSV. */
-static void make_cells(const struct row *r, struct gp_bench_cell c[CELLS])
+static json_t *row_json(const struct row *r)
 {
-    const bool ran = !r->why[0];
-    const char *const names[CELLS] = {
-        "method", "ms", "ms_min", "ms_max", "ms_first", "visibility",
-        "error_mean", "error_worst", "why",
-    };
-    const double numbers[CELLS] = {
-        NAN, r->ms, r->least, r->most, r->first, r->visibility, r->mean,
-        r->worst, NAN,
-    };
-    for (int i = 0; i < CELLS; i++)
-        c[i] = (struct gp_bench_cell) {
-            .name = names[i], .number = ran ? numbers[i] : (double) NAN,
-        };
-    c[0].text = r->name;
-    c[CELLS - 1].text = ran ? NULL : r->why;
+    const struct gp_bench_took *const t = &r->took;
+    if (r->why[0])
+        return json_pack("{ss so}", "method", r->name, "why",
+                         gp_json_name(r->why));
+    return json_pack("{ss so so so so sf sf sf}", "method", r->name, "ms",
+                     gp_bench_ms(t->ms), "ms_min", gp_bench_ms(t->least),
+                     "ms_max", gp_bench_ms(t->most), "ms_first",
+                     gp_bench_ms(t->first), "visibility", r->visibility,
+                     "error_mean", r->mean, "error_worst", r->worst);
 }
 
-static gp_status save_csv(const struct bench *b, const char *path)
+static gp_status save_files(const struct bench *b)
 {
-    struct gp_bench_cell all[ROWS * (CELLS - 1)], c[CELLS];
-    for (int i = 0; i < ROWS; i++) {
-        make_cells(&b->row[i], c);
-        memcpy(all + i * (CELLS - 1), c, (CELLS - 1) * sizeof *c);
-    }
-    return gp_bench_save_csv(b->log, path, all, ROWS, CELLS - 1);
-}
-
-static gp_status save_json(const struct bench *b, const char *path)
-{
+    static const char *const columns[] = {
+        "method",     "ms",         "ms_min",      "ms_max", "ms_first",
+        "visibility", "error_mean", "error_worst", NULL,
+    };
     json_t *const rows = json_array();
-    for (int i = 0; i < ROWS; i++) {
-        struct gp_bench_cell c[CELLS];
-        make_cells(&b->row[i], c);
-        json_array_append_new(rows, gp_bench_json_row(c, CELLS));
-    }
-    json_t *const all = json_pack("{so si si si so}", "input",
-        gp_json_name(b->frame.path), "lights", b->lights, "runs",
-        b->req->params->runs, "threads", gp_threads(), "rows", rows);
-    return gp_bench_save_json(b->log, all, path);
+    for (int i = 0; i < ROWS; i++)
+        json_array_append_new(rows, row_json(&b->row[i]));
+    return gp_bench_save(b->log, b->req->params,
+                         json_pack("{so si si si so}", "input",
+                                   gp_json_name(b->frame.path), "lights",
+                                   b->lights, "runs", b->req->params->runs,
+                                   "threads", gp_threads(), "rows", rows),
+                         columns);
 }
 
 /* Finds the lights of the frame. */
@@ -236,10 +222,8 @@ gp_status gp_bench_sun(const struct gp_log *log,
                          &b.exact));
     for (int i = 0; i < ROWS; i++)
         GP_TRY(measure_row(&b, &b.row[i]));
-    if (p->csv)
-        GP_TRY(save_csv(&b, p->csv));
-    if (p->json)
-        GP_TRY(save_json(&b, p->json));
+    if (p->csv || p->json)
+        GP_TRY(save_files(&b));
     if (!gp_is_dash(p->csv) && !gp_is_dash(p->json)) {
         print_table(&b);
         GP_TRY(gp_flush_stdout(log));

@@ -53,7 +53,16 @@ struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
 {
     struct gp_bench_row *const row = &out->row[out->rows++];
     *row = (struct gp_bench_row) {
-        .name = name, .layer = layer, .bound = NAN, .flip = NAN};
+        .name = name,
+        .layer = layer,
+        .took = {NAN, NAN, NAN, NAN, 0},
+        .share = NAN,
+        .polygons = NAN,
+        .polygon_pixels = NAN,
+        .bound = NAN,
+        .error = {NAN, NAN, NAN},
+        .max_abs = NAN,
+    };
     if (!b->sense.sources)
         strcpy(row->why, "no pixel is over the threshold");
     return row;
@@ -62,12 +71,13 @@ struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
 void gp_bench_mark_pareto(struct gp_bench_frame *f)
 {
     for (int i = 0; i < f->rows; i++) {
-        f->row[i].pareto = f->row[i].measured;
+        f->row[i].pareto = !isnan(f->row[i].error[GP_REL_L2]);
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const a = &f->row[k], *b = &f->row[i];
-            const double ea = a->error.rel_l2, eb = b->error.rel_l2;
-            if (a->layer == b->layer && a->measured && a->ms <= b->ms_min &&
-                ea <= eb && (a->ms < b->ms_min || ea < eb))
+            const double ea = a->error[GP_REL_L2], eb = b->error[GP_REL_L2];
+            const double fast = a->took.ms, least = b->took.least;
+            if (a->layer == b->layer && fast <= least && ea <= eb &&
+                (fast < least || ea < eb))
                 f->row[i].pareto = false;
         }
     }
@@ -77,9 +87,9 @@ void gp_bench_mark_pareto(struct gp_bench_frame *f)
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const r = &f->row[k];
             if (!r->layer &&
-                gp_bench_error(r, i / GP_BENCH_WITHIN) <=
+                r->error[i / GP_BENCH_WITHIN] <=
                     gp_bench_within[i % GP_BENCH_WITHIN] &&
-                (*best < 0 || r->ms < f->row[*best].ms))
+                (*best < 0 || r->took.ms < f->row[*best].took.ms))
                 *best = k;
         }
     }
@@ -87,14 +97,6 @@ void gp_bench_mark_pareto(struct gp_bench_frame *f)
 
 const char *const gp_bench_by[GP_BENCH_BY] = {"rel_l2", "max_rel", "flip"};
 const double gp_bench_within[GP_BENCH_WITHIN] = {1e-1, 1e-2, 1e-3, 1e-6};
-
-double gp_bench_error(const struct gp_bench_row *r, int by)
-{
-    return !r->measured ? (double) NAN
-           : by == 0    ? r->error.rel_l2
-           : by == 1    ? r->error.max_rel
-                        : r->flip;
-}
 
 void gp_bench_keep_why(void *why, const struct gp_line *line)
 {
@@ -114,12 +116,13 @@ void gp_bench_time(struct gp_bench_times *t, double ms)
     t->total += ms;
 }
 
-double gp_bench_spread(struct gp_bench_times *t, double *least, double *most)
+void gp_bench_spread(struct gp_bench_times *t, struct gp_bench_took *out)
 {
     qsort(t->ms, (size_t) t->n, sizeof *t->ms, by_value);
-    *least = t->ms[0];
-    *most = t->ms[t->n - 1];
-    return 0.5 * (t->ms[(t->n - 1) / 2] + t->ms[t->n / 2]);
+    out->ms = 0.5 * (t->ms[(t->n - 1) / 2] + t->ms[t->n / 2]);
+    out->least = t->ms[0];
+    out->most = t->ms[t->n - 1];
+    out->runs = t->n;
 }
 
 /* A number of a column, or "-" where it is not known. */
@@ -147,10 +150,10 @@ static void print_choices(const struct gp_bench_frame *f)
             continue;
         }
         printf("%-10s", "");
-        print_cell(9, r->ms < 1e4 ? "%.2f" : "%.0f", r->ms);
+        print_cell(9, r->took.ms < 1e4 ? "%.2f" : "%.0f", r->took.ms);
         putchar(' ');
-        print_cell(8, "%.1e", gp_bench_error(r, by));
-        print_cell(8, "%.1e", by == 0 ? r->bound : (double) NAN);
+        print_cell(8, "%.1e", r->error[by]);
+        print_cell(8, "%.1e", by == GP_REL_L2 ? r->bound : (double) NAN);
         printf("  %s\n", r->name);
     }
 }
@@ -158,14 +161,13 @@ static void print_choices(const struct gp_bench_frame *f)
 /* The whole run, by output. */
 static void print_whole(const struct gp_bench_whole *w)
 {
-    const double before =
-        (isnan(w->read_ms) ? 0.0 : w->read_ms) + w->glare_ms + w->tone_ms;
+    const double before = fmax(w->read.ms, 0.0) + w->glare.ms + w->tone.ms;
     printf("  whole run: read");
-    print_cell(0, "%.2f", w->read_ms);
+    print_cell(0, "%.2f", w->read.ms);
     printf(", glare %.2f, compose and tone map %.2f ms, then one of these\n"
            "  (EXR, lossy EXR and PNG have a front each)\n"
            "  %-26s %9s  %8s %8s %9s %10s\n",
-           w->glare_ms, w->tone_ms, "written to $TMPDIR", "ms", "min", "max",
+           w->glare.ms, w->tone.ms, "written to $TMPDIR", "ms", "min", "max",
            "kbytes", "whole ms");
     for (int i = 0; i < w->outputs; i++) {
         const struct gp_bench_output *const o = &w->output[i];
@@ -175,8 +177,8 @@ static void print_whole(const struct gp_bench_whole *w)
             continue;
         }
         printf("%c %-26s %9.2f  %8.2f %8.2f %9.1f %10.2f%s\n",
-               o->pareto ? '>' : ' ', o->options, o->median, o->least, o->most,
-               (double) o->bytes * 1e-3, before + o->median,
+               o->pareto ? '>' : ' ', o->options, o->took.ms, o->took.least,
+               o->took.most, (double) o->bytes * 1e-3, before + o->took.ms,
                o->usual                                ? "  the default"
                : o->compression < GP_COMPRESSION_PXR24 ? ""
                                                        : "  lossy");
@@ -212,7 +214,8 @@ static void print_table(const struct gp_bench_table *t)
         printf(f->paper ? " %8s\n" : "\n", "x paper");
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const r = &f->row[k];
-            const bool drew = r->polygons > 0.0;
+            const struct gp_bench_took *const t = &r->took;
+            const bool whole = isnan(r->share);
             if (r->why[0]) {
                 printf("  %-26s cannot run: %.*s%s\n", r->name, WHY,
                        gp_printable(r->why).text,
@@ -220,20 +223,19 @@ static void print_table(const struct gp_bench_table *t)
                 continue;
             }
             printf("%c %-26s", r->pareto ? '>' : ' ', r->name);
-            print_cell(9, r->ms < 1e4 ? "%.2f" : "%.0f", r->ms);
-            putchar(r->extrapolated ? '*' : ' ');
-            print_cell(8, "%.2f", r->extrapolated ? none : r->ms_min);
-            print_cell(8, "%.2f", r->extrapolated ? none : r->ms_max);
-            print_cell(8, r->ms_first < 1e4 ? "%.1f" : "%.0f", r->ms_first);
-            print_cell(8, "%.4g", 1e3 / r->ms);
-            print_cell(9, "%.2e", r->measured ? r->error.rel_l2 : none);
-            print_cell(8, "%.1e", r->measured ? r->error.max_rel : none);
-            print_cell(8, "%.1e", r->flip);
+            print_cell(9, t->ms < 1e4 ? "%.2f" : "%.0f", t->ms);
+            putchar(whole ? ' ' : '*');
+            print_cell(8, "%.2f", whole ? t->least : none);
+            print_cell(8, "%.2f", whole ? t->most : none);
+            print_cell(8, t->first < 1e4 ? "%.1f" : "%.0f", t->first);
+            print_cell(8, "%.4g", 1e3 / t->ms);
+            for (int by = 0; by < GP_BENCH_BY; by++)
+                print_cell(by ? 8 : 9, by ? "%.1e" : "%.2e", r->error[by]);
             print_cell(8, "%.1e", r->bound);
-            print_cell(9, "%.0f", drew ? r->polygons : none);
-            print_cell(8, "%.4g", drew ? r->polygon_pixels * 1e-6 : none);
+            print_cell(9, "%.0f", r->polygons);
+            print_cell(8, "%.4g", r->polygon_pixels * 1e-6);
             if (f->paper)
-                print_cell(8, "%.2f", 1e3 / r->ms / f->paper->fps);
+                print_cell(8, "%.2f", 1e3 / t->ms / f->paper->fps);
             putchar('\n');
         }
         for (int k = 0; k < f->rows; k++) {
@@ -296,128 +298,117 @@ static void print_csv_text(FILE *to, const char *s)
     fputc('"', to);
 }
 
-static void print_csv_cell(FILE *to, const struct gp_bench_cell *c)
+static void print_csv_value(FILE *to, const json_t *v)
 {
-    if (c->text) // a CSV may go to a terminal
-        print_csv_text(to, gp_printable(c->text).text);
-    else if (c->kind == GP_CELL_TRUTH)
-        fputs(c->number > 0.0 ? "true" : "false", to);
-    else if (!isnan(c->number))
-        fprintf(to, c->kind == GP_CELL_WHOLE ? "%.0f" : "%.10g", c->number);
+    if (json_is_string(v)) // a CSV may go to a terminal
+        print_csv_text(to, gp_printable(json_string_value(v)).text);
+    else if (json_is_boolean(v))
+        fputs(json_is_true(v) ? "true" : "false", to);
+    else if (json_is_integer(v))
+        fprintf(to, "%" JSON_INTEGER_FORMAT, json_integer_value(v));
+    else if (v)
+        fprintf(to, "%.10g", json_is_null(v) ? INFINITY : json_real_value(v));
 }
 
-gp_status gp_bench_save_csv(const struct gp_log *log, const char *path,
-                            const struct gp_bench_cell *c, int rows, int cells)
+static gp_status save_csv(const struct gp_log *log, const char *path,
+                          json_t *all, const char *const *columns)
 {
-    char *text = NULL;
+    json_t *const frames = json_object_get(all, "frames");
+    const size_t n = frames ? json_array_size(frames) : 1;
+    // only its text says whether memory was full for a value
+    char *const whole = gp_json_print(json_incref(all), 0), *text = NULL;
     size_t size = 0;
-    FILE *const to = open_memstream(&text, &size);
+    FILE *const to = whole ? open_memstream(&text, &size) : NULL;
+    free(whole);
     if (!to)
         return gp_no_memory(log, path);
-    for (int i = 0; i < cells; i++)
-        fprintf(to, "%s%s", c[i].name, i < cells - 1 ? "," : "\r\n");
-    for (int i = 0; i < rows * cells; i++) {
-        print_csv_cell(to, &c[i]);
-        fputs(i % cells < cells - 1 ? "," : "\r\n", to);
+    for (int c = 0; columns[c]; c++)
+        fprintf(to, "%s%s", columns[c], columns[c + 1] ? "," : "\r\n");
+    for (size_t i = 0; i < n; i++) {
+        json_t *const frame = frames ? json_array_get(frames, i) : all, *row;
+        size_t k;
+        json_array_foreach(json_object_get(frame, "rows"), k, row)
+        {
+            for (int c = 0; columns[c]; c++) {
+                const json_t *const v = json_object_get(row, columns[c]);
+                print_csv_value(to, v ? v : json_object_get(frame, columns[c]));
+                fputs(columns[c + 1] ? "," : "\r\n", to);
+            }
+        }
     }
     return save_text(log, path, to, &text, &size);
 }
 
-json_t *gp_bench_json_row(const struct gp_bench_cell *c, int cells)
+gp_status gp_bench_save(const struct gp_log *log,
+                        const struct gp_bench_params *p, json_t *all,
+                        const char *const *columns)
 {
-    json_t *const row = json_object();
-    for (int n = 0; n < cells; n++) {
-        const double v = c[n].number;
-        if (!c[n].text && isnan(v))
-            continue;
-        json_object_set_new(
-            row, c[n].name,
-            c[n].text                    ? gp_json_name(c[n].text)
-            : c[n].kind == GP_CELL_TRUTH ? json_boolean(v > 0.0)
-            : c[n].kind == GP_CELL_WHOLE ? json_integer((json_int_t) llround(v))
-            : isfinite(v)                ? json_real(v)
-                                         : json_null());
-    }
-    return row;
+    gp_status st = p->csv ? save_csv(log, p->csv, all, columns) : GP_OK;
+    if (!st && p->json)
+        st = gp_bench_save_json(log, json_incref(all), p->json);
+    json_decref(all);
+    return st;
 }
 
-/* Milliseconds to the microsecond. */
-static double round_us(double ms)
+json_t *gp_bench_number(double v)
 {
-    return round(ms * 1e3) * 1e-3;
+    return isnan(v) ? NULL : isfinite(v) ? json_real(v) : json_null();
 }
 
-enum { CELLS = 25 };
-
-/* All cells of a row; those of the same index have the same name. */
-static void make_cells(const struct gp_bench_frame *f,
-    const struct gp_bench_row *r, struct gp_bench_cell c[CELLS])
+json_t *gp_bench_ms(double ms)
 {
-    const bool ran = !r->why[0], drew = ran && r->polygons > 0.0;
-    const double none = (double) NAN;
-    const struct glarepp_errors *const e = r->measured ? &r->error : NULL;
-    const struct gp_bench_cell all[CELLS] = {
-        {"input", f->input, none, GP_CELL_REAL},
-        {"name", r->name, none, GP_CELL_REAL},
-        {"options", r->options, none, GP_CELL_REAL},
-        {"ms", NULL, ran ? round_us(r->ms) : none, GP_CELL_REAL},
-        {"ms_min", NULL, ran ? round_us(r->ms_min) : none, GP_CELL_REAL},
-        {"ms_max", NULL, ran ? round_us(r->ms_max) : none, GP_CELL_REAL},
-        {"ms_first", NULL, ran ? round_us(r->ms_first) : none, GP_CELL_REAL},
-        {"frames_per_second", NULL, ran ? 1e3 / r->ms : none, GP_CELL_REAL},
-        {"runs", NULL, ran ? r->runs : none, GP_CELL_WHOLE},
-        {"extrapolated", NULL, r->extrapolated, GP_CELL_TRUTH},
-        {"share", NULL, r->extrapolated ? r->share : none, GP_CELL_REAL},
-        {"rel_l2", NULL, e ? e->rel_l2 : none, GP_CELL_REAL},
-        {"max_rel", NULL, e ? e->max_rel : none, GP_CELL_REAL},
-        {"max_abs", NULL, e ? e->max_abs : none, GP_CELL_REAL},
-        {"flip", NULL, r->flip, GP_CELL_REAL},
-        {"bound", NULL, r->bound, GP_CELL_REAL},
-        {"kernel_left_out", NULL, f->kernel_left_out, GP_CELL_REAL},
-        {"polygons", NULL, drew ? r->polygons : none, GP_CELL_WHOLE},
-        {"polygon_pixels", NULL, drew ? r->polygon_pixels : none, GP_CELL_REAL},
-        {"pareto", NULL, r->pareto, GP_CELL_TRUTH},
-        {"engine", ran ? r->facts.engine : NULL, none, GP_CELL_REAL},
-        {"form", ran ? r->facts.form : NULL, none, GP_CELL_REAL},
-        {"same_as", ran ? r->same : NULL, none, GP_CELL_REAL},
-        {"gl", ran && r->gl[0] ? r->gl : NULL, none, GP_CELL_REAL},
-        {"why", ran ? NULL : r->why, none, GP_CELL_REAL},
-    };
-    memcpy(c, all, sizeof all);
+    return gp_bench_number(round(ms * 1e3) * 1e-3);
 }
 
-static gp_status save_csv(const struct gp_log *log,
-                          const struct gp_bench_table *t, const char *path)
+/* A whole number; NULL of NaN, and of 0, which is not known. */
+static json_t *count(double v)
 {
-    struct gp_bench_cell c[GP_PAPER_KINDS * GP_BENCH_MOST][CELLS];
-    int rows = 0;
-    for (int i = 0; i < t->frames; i++) {
-        for (int k = 0; k < t->frame[i].rows; k++)
-            make_cells(&t->frame[i], &t->frame[i].row[k], c[rows++]);
-    }
-    return gp_bench_save_csv(log, path, c[0], rows, CELLS);
+    return v > 0.0 ? json_integer((json_int_t) llround(v)) : NULL;
+}
+
+static json_t *row_json(const struct gp_bench_frame *f,
+                        const struct gp_bench_row *r)
+{
+    const bool ran = !r->why[0], is_auto = strcmp(r->name, "auto") == 0;
+    return json_pack(
+        "{ss ss so* so* so* so* so* so* sb so* so* so* so* so* so* so* so* so* "
+        "sb ss* ss* ss* so* so* so* ss*}",
+        "name", r->name, "options", r->options, "ms", gp_bench_ms(r->took.ms),
+        "ms_min", gp_bench_ms(r->took.least), "ms_max",
+        gp_bench_ms(r->took.most), "ms_first", gp_bench_ms(r->took.first),
+        "frames_per_second", gp_bench_number(1e3 / r->took.ms), "runs",
+        count(r->took.runs), "extrapolated", !isnan(r->share), "share",
+        gp_bench_number(r->share), "rel_l2",
+        gp_bench_number(r->error[GP_REL_L2]), "max_rel",
+        gp_bench_number(r->error[GP_MAX_REL]), "max_abs",
+        gp_bench_number(r->max_abs), "flip", gp_bench_number(r->error[GP_FLIP]),
+        "bound", gp_bench_number(r->bound), "kernel_left_out",
+        gp_bench_number(f->kernel_left_out), "polygons", count(r->polygons),
+        "polygon_pixels", gp_bench_number(r->polygon_pixels), "pareto",
+        r->pareto, "engine", ran ? r->facts.engine : NULL, "form",
+        ran ? r->facts.form : NULL, "same_as", r->same, "gl",
+        ran && r->gl[0] ? gp_json_name(r->gl) : NULL, "why",
+        ran ? NULL : gp_json_name(r->why), "engine_why",
+        ran && is_auto ? gp_json_name(r->facts.why) : NULL, "layer", r->layer);
 }
 
 /* The choices: one object a limit and measure, without a name where there is none. */
 static json_t *choices_json(const struct gp_bench_frame *f)
 {
+    static const struct gp_bench_row none = {
+        .took.ms = NAN, .bound = NAN, .error = {NAN, NAN, NAN}};
     json_t *const all = json_array();
     for (int i = 0; i < GP_BENCH_BY * GP_BENCH_WITHIN; i++) {
         const int by = i / GP_BENCH_WITHIN, k = i % GP_BENCH_WITHIN;
         const int at = f->choice[by][k];
-        const struct gp_bench_row none = {.ms = NAN, .bound = NAN};
         const struct gp_bench_row *const r = at < 0 ? &none : &f->row[at];
-        const double no = (double) NAN;
-        const struct gp_bench_cell c[] = {
-            {"by", gp_bench_by[by], no, GP_CELL_REAL},
-            {"within", NULL, gp_bench_within[k], GP_CELL_REAL},
-            {"name", r->name, no, GP_CELL_REAL},
-            {"options", r->name ? r->options : NULL, no, GP_CELL_REAL},
-            {"ms", NULL, round_us(r->ms), GP_CELL_REAL},
-            {"error", NULL, gp_bench_error(r, by), GP_CELL_REAL},
-            {"bound", NULL, by == 0 ? r->bound : no, GP_CELL_REAL},
-        };
-        json_array_append_new(all, gp_bench_json_row(c, sizeof c / sizeof *c));
+        json_array_append_new(
+            all, json_pack("{ss sf ss* ss* so* so* so*}", "by", gp_bench_by[by],
+                           "within", gp_bench_within[k], "name", r->name,
+                           "options", r->name ? r->options : NULL, "ms",
+                           gp_bench_ms(r->took.ms), "error",
+                           gp_bench_number(r->error[by]), "bound",
+                           gp_bench_number(by ? (double) NAN : r->bound)));
     }
     return all;
 }
@@ -426,32 +417,24 @@ static json_t *choices_json(const struct gp_bench_frame *f)
 static json_t *whole_json(const struct gp_bench_whole *w)
 {
     json_t *const outputs = w->outputs ? json_array() : NULL;
-    const double no = (double) NAN;
     for (int i = 0; i < w->outputs; i++) {
         const struct gp_bench_output *const o = &w->output[i];
-        const bool ran = !o->why[0];
-        const struct gp_bench_cell c[] = {
-            {"format", o->format, no, GP_CELL_REAL},
-            {"options", o->options, no, GP_CELL_REAL},
-            {"ms", NULL, ran ? round_us(o->median) : no, GP_CELL_REAL},
-            {"ms_min", NULL, ran ? round_us(o->least) : no, GP_CELL_REAL},
-            {"ms_max", NULL, ran ? round_us(o->most) : no, GP_CELL_REAL},
-            {"runs", NULL, ran ? o->runs : no, GP_CELL_WHOLE},
-            {"bytes", NULL, ran ? (double) o->bytes : no, GP_CELL_WHOLE},
-            {"default", NULL, o->usual, GP_CELL_TRUTH},
-            {"pareto", NULL, o->pareto, GP_CELL_TRUTH},
-            {"why", ran ? NULL : o->why, no, GP_CELL_REAL},
-        };
-        json_array_append_new(outputs,
-                              gp_bench_json_row(c, sizeof c / sizeof *c));
+        const struct gp_bench_took *const t = &o->took;
+        json_array_append_new(
+            outputs,
+            json_pack("{ss ss so* so* so* so* so* sb sb so*}", "format",
+                      o->format, "options", o->options, "ms",
+                      gp_bench_ms(t->ms), "ms_min", gp_bench_ms(t->least),
+                      "ms_max", gp_bench_ms(t->most), "runs", count(t->runs),
+                      "bytes", count((double) o->bytes), "default", o->usual,
+                      "pareto", o->pareto, "why",
+                      o->why[0] ? gp_json_name(o->why) : NULL));
     }
     return !outputs
                ? NULL
-               : json_pack("{so* sf sf so}", "read_ms",
-                           isnan(w->read_ms) ? NULL
-                                             : json_real(round_us(w->read_ms)),
-                           "glare_ms", round_us(w->glare_ms), "tone_ms",
-                           round_us(w->tone_ms), "outputs", outputs);
+               : json_pack("{so* so so so}", "read_ms", gp_bench_ms(w->read.ms),
+                           "glare_ms", gp_bench_ms(w->glare.ms), "tone_ms",
+                           gp_bench_ms(w->tone.ms), "outputs", outputs);
 }
 
 json_t *gp_bench_json_frame(const struct gp_bench_frame *f)
@@ -462,17 +445,8 @@ json_t *gp_bench_json_frame(const struct gp_bench_frame *f)
             : json_pack("{ss ss si}", "gpu", "GeForce 7800 GTX", "rate",
                         f->paper->rate, "frames_per_second", f->paper->fps);
     json_t *const rows = json_array();
-    for (int k = 0; k < f->rows; k++) {
-        const struct gp_bench_row *const r = &f->row[k];
-        struct gp_bench_cell c[CELLS];
-        make_cells(f, r, c); // the input is named once, below
-        json_t *const row = gp_bench_json_row(c + 1, CELLS - 1);
-        if (!r->why[0] && strcmp(r->name, "auto") == 0)
-            json_object_set_new(row, "engine_why", gp_json_name(r->facts.why));
-        if (r->layer)
-            json_object_set_new(row, "layer", json_string(r->layer));
-        json_array_append_new(rows, row);
-    }
+    for (int k = 0; k < f->rows; k++)
+        json_array_append_new(rows, row_json(f, &f->row[k]));
     return json_pack("{so si si sI so s[ii] so* so so so*}", "input",
                      gp_json_name(f->input), "width", f->width, "height",
                      f->height, "sources", (json_int_t) f->sources, "kernel",
@@ -481,14 +455,46 @@ json_t *gp_bench_json_frame(const struct gp_bench_frame *f)
                      choices_json(f), "whole", whole_json(&f->whole));
 }
 
-static gp_status save_json(const struct gp_log *log,
-                           const struct gp_bench_table *t, const char *path)
+static gp_status save_files(const struct gp_log *log,
+                            const struct gp_bench_params *p,
+                            const struct gp_bench_table *t)
 {
+    static const char *const columns[] = {
+        "input",
+        "name",
+        "options",
+        "ms",
+        "ms_min",
+        "ms_max",
+        "ms_first",
+        "frames_per_second",
+        "runs",
+        "extrapolated",
+        "share",
+        "rel_l2",
+        "max_rel",
+        "max_abs",
+        "flip",
+        "bound",
+        "kernel_left_out",
+        "polygons",
+        "polygon_pixels",
+        "pareto",
+        "engine",
+        "form",
+        "same_as",
+        "gl",
+        "why",
+        NULL,
+    };
     json_t *const frames = json_array();
     for (int i = 0; i < t->frames; i++)
         json_array_append_new(frames, gp_bench_json_frame(&t->frame[i]));
-    return gp_bench_save_json(log, json_pack("{so si si ss}", "frames", frames,
-        "runs", t->runs, "threads", gp_threads(), "version", GP_VERSION), path);
+    return gp_bench_save(log, p,
+                         json_pack("{so si si ss}", "frames", frames, "runs",
+                                   t->runs, "threads", gp_threads(), "version",
+                                   GP_VERSION),
+                         columns);
 }
 
 gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
@@ -551,11 +557,12 @@ static int find_points(const struct gp_bench_frame *f, struct axis axis[2],
     int n = 0;
     for (int i = 0; i < f->rows; i++) {
         const struct gp_bench_row *const r = &f->row[i];
-        if (r->layer || r->same || !r->measured || !isfinite(r->error.rel_l2) ||
-            !(r->ms > 0.0))
+        if (r->layer || r->same || !isfinite(r->error[GP_REL_L2]) ||
+            !(r->took.ms > 0.0))
             continue; // those of another layer have another error
         at[n++] = (struct point) {
-            .row = r, .v = {r->ms, fmax(r->error.rel_l2, LEAST)},
+            .row = r,
+            .v = {r->took.ms, fmax(r->error[GP_REL_L2], LEAST)},
         };
         for (int k = 0; k < 2; k++) {
             const double decade = floor(log10(at[n - 1].v[k]));
@@ -609,7 +616,7 @@ static void write_choices(const struct gp_bench_frame *f, FILE *to)
         fprintf(to, "<text x='%d' y='%d'>within %.0e: ", x, y + k * LINE + 4,
                 gp_bench_within[k]);
         if (at >= 0)
-            fprintf(to, "%s, %.3g ms", f->row[at].name, f->row[at].ms);
+            fprintf(to, "%s, %.3g ms", f->row[at].name, f->row[at].took.ms);
         fprintf(to, "%s</text>\n", at < 0 ? "none" : "");
     }
 }
@@ -676,10 +683,8 @@ gp_status gp_bench_write(const struct gp_log *log,
     const struct gp_bench_params *p, const struct gp_bench_table *t)
 {
     gp_status st = GP_OK;
-    if (p->csv)
-        GP_TRY(save_csv(log, t, p->csv));
-    if (p->json)
-        GP_TRY(save_json(log, t, p->json));
+    if (p->csv || p->json)
+        GP_TRY(save_files(log, p, t));
     if (p->plot)
         GP_TRY(save_plot(log, t, p->plot));
     if (gp_is_dash(p->csv) || gp_is_dash(p->json) || gp_is_dash(p->plot) ||

@@ -152,10 +152,8 @@ static void end_outputs(struct whole *w)
     struct gp_bench_whole *const out = w->out;
     struct gp_bench_output *const o = out->output;
     for (int i = 0; i < out->outputs; i++) {
-        o[i].runs = w->times[i].n;
-        if (o[i].runs)
-            o[i].median =
-                gp_bench_spread(&w->times[i], &o[i].least, &o[i].most);
+        if (w->times[i].n)
+            gp_bench_spread(&w->times[i], &o[i].took);
     }
     for (int i = 1; i < out->outputs && o[i].compression <= GP_COMPRESSION_PIZ;
          i++) {
@@ -165,10 +163,10 @@ static void end_outputs(struct whole *w)
     }
     memmove(o, o + 1, (size_t) --out->outputs * sizeof *o);
     for (int i = 0; i < out->outputs; i++) {
-        o[i].pareto = o[i].runs > 0;
+        o[i].pareto = o[i].took.runs > 0;
         for (int k = 0; k < out->outputs; k++) {
-            if (o[k].runs && strcmp(o[k].format, o[i].format) == 0 &&
-                o[k].median < o[i].least && o[k].bytes <= o[i].bytes)
+            if (o[k].took.runs && strcmp(o[k].format, o[i].format) == 0 &&
+                o[k].took.ms < o[i].took.least && o[k].bytes <= o[i].bytes)
                 o[i].pareto = false;
         }
     }
@@ -180,7 +178,6 @@ gp_status gp_bench_whole_run(const struct gp_bench *b,
     gp_status st;
     struct glarepp_plan_params p = *b->req->plan;
     struct glarepp_plan *plan = NULL;
-    double least, most;
     struct whole w = {.b = b, .p = *b->req->write, .out = out};
     bool made = false;
     p.kernel = b->kernel;
@@ -199,9 +196,9 @@ gp_status gp_bench_whole_run(const struct gp_bench *b,
     GP_TRY((gp_status) glarepp_plan(b->req->gp, &p, &plan));
     for (int i = 0; i <= b->req->params->runs; i++)
         GP_TRY(run_round(&w, plan, i));
-    out->read_ms = gp_bench_spread(&w.steps[0], &least, &most);
-    out->glare_ms = gp_bench_spread(&w.steps[1], &least, &most);
-    out->tone_ms = gp_bench_spread(&w.steps[2], &least, &most);
+    gp_bench_spread(&w.steps[0], &out->read);
+    gp_bench_spread(&w.steps[1], &out->glare);
+    gp_bench_spread(&w.steps[2], &out->tone);
 out:
     end_outputs(&w);
     if (made)

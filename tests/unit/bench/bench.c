@@ -27,10 +27,10 @@ static void the_front_is_what_nothing_beats(void **state)
     };
     struct gp_bench_frame f = {.rows = COUNT(rows)};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        f.row[i].ms = rows[i].ms;
-        f.row[i].ms_min = rows[i].least;
-        f.row[i].error.rel_l2 = rows[i].error;
-        f.row[i].measured = rows[i].error >= 0.0;
+        f.row[i].took.ms = rows[i].ms;
+        f.row[i].took.least = rows[i].least;
+        f.row[i].error[GP_REL_L2] =
+            rows[i].error >= 0.0 ? rows[i].error : (double) NAN;
     }
     gp_bench_mark_pareto(&f);
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -42,22 +42,12 @@ static void the_front_is_what_nothing_beats(void **state)
 /* The fastest row within each error, by each measure; none where none is. */
 static void choices_are_the_fastest(void **state)
 {
-    struct gp_bench_frame f = {.rows = 4,
-                               .row = {
-                                   {.ms = 9,
-                                    .error = {.rel_l2 = 1e-7, .max_rel = 1e-3},
-                                    .flip = NAN,
-                                    .measured = true},
-                                   {.ms = 5,
-                                    .error = {.rel_l2 = 1e-3, .max_rel = .5},
-                                    .flip = 1e-2,
-                                    .measured = true},
-                                   {.ms = 1, .error = {.rel_l2 = 0}},
-                                   {.ms = 2,
-                                    .error = {.rel_l2 = 0},
-                                    .measured = true,
-                                    .layer = "flare"},
-                               }};
+    struct gp_bench_frame f = {
+        .rows = 4,
+        .row = {{.took.ms = 9, .error = {1e-7, 1e-3, NAN}},
+                {.took.ms = 5, .error = {1e-3, .5, 1e-2}},
+                {.took.ms = 1, .error = {NAN, NAN, NAN}},
+                {.took.ms = 2, .error = {0, 0, 0}, .layer = "flare"}}};
     static const int want[GP_BENCH_BY][GP_BENCH_WITHIN] = {
         {1, 1, 1, 0},
         {0, 0, 0, -1},
@@ -73,24 +63,10 @@ static void layers_have_their_own_front(void **state)
     static const char flare[] = "flare", lens[] = "lens";
     struct gp_bench_frame f = {
         .rows = 4,
-        .row = {
-            {.ms = 1, .ms_min = 1, .error.rel_l2 = 1e-8, .measured = true},
-            {.ms = 9,
-             .ms_min = 9,
-             .error.rel_l2 = 1e-3,
-             .measured = true,
-             .layer = flare},
-            {.ms = 10,
-             .ms_min = 10,
-             .error.rel_l2 = 1e-3,
-             .measured = true,
-             .layer = lens},
-            {.ms = 11,
-             .ms_min = 11,
-             .error.rel_l2 = 1e-2,
-             .measured = true,
-             .layer = lens},
-        }};
+        .row = {{.took = {1, 1}, .error = {1e-8}},
+                {.took = {9, 9}, .error = {1e-3}, .layer = flare},
+                {.took = {10, 10}, .error = {1e-3}, .layer = lens},
+                {.took = {11, 11}, .error = {1e-2}, .layer = lens}}};
     gp_bench_mark_pareto(&f);
     assert_true(f.row[0].pareto && f.row[1].pareto && f.row[2].pareto);
     assert_false(f.row[3].pareto);
