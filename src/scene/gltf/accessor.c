@@ -11,9 +11,13 @@
 
 /* glTF's componentType. */
 enum {
-    I8 = 5120, U8, I16, U16, U32 = 5125, F32,
+    I8 = 5120,
+    U8,
+    I16,
+    U16,
+    U32 = 5125,
+    F32,
 };
-static const double MOST_VALUE = 1e15;
 
 /* Of each type from I8 on: bytes of a number, 0 of no type; and the number that 1 is
  * stored as, normalised. */
@@ -164,9 +168,11 @@ gp_status gp_gltf_floats(const struct gp_gltf_accessor *a, int components,
         if (st)
             return st;
         for (int c = 0; c < components; c++) {
-            if (!(fabs(v[c]) <= MOST_VALUE))
-                return gp_gltf_fail(&a->place, "element %d is not finite, or "
-                                    "over %g", at, MOST_VALUE);
+            if (!(fabs(v[c]) <= GP_GLTF_MOST))
+                return gp_gltf_fail(&a->place,
+                                    "element %d is not finite, or "
+                                    "over %g",
+                                    at, GP_GLTF_MOST);
             out[(size_t) at * (size_t) components + (size_t) c] = (float) v[c];
         }
     }

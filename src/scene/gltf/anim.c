@@ -9,8 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double MOST_PLACE = 1e15;
-
 /* Numbers of a value, by path. */
 static const int components_of[GP_KEY_PATHS] = {3, 4, 3};
 
@@ -298,7 +296,7 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
                       n->world);
         bool good = true;
         for (int k = 0; k < 16; k++)
-            good = good && fabs(n->world[k]) <= MOST_PLACE;
+            good = good && fabs(n->world[k]) <= GP_GLTF_MOST;
         if (!good) { // nowhere: at the origin, with size 0
             memset(n->world, 0, sizeof n->world);
             n->world[15] = 1.0;

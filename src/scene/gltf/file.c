@@ -56,8 +56,22 @@ static gp_status take(struct gp_gltf *g, size_t bytes)
 
 gp_status gp_gltf_alloc(struct gp_gltf *g, size_t count, size_t size, void *out)
 {
-    const gp_status st = take(g, count * size);
-    return st ? st : gp_alloc_zero(g->log, g->path, count, size, out);
+    memset(out, 0, sizeof(void *));
+    return gp_gltf_grow(g, 0, count, size, out);
+}
+
+gp_status gp_gltf_grow(struct gp_gltf *g, size_t have, size_t more, size_t size,
+                       void *out)
+{
+    void *block;
+    gp_status st;
+    memcpy(&block, out, sizeof block);
+    GP_TRY(take(g, more * size));
+    GP_TRY(gp_resize(g->log, g->path, (have + more) * size + 1, &block));
+    memset((char *) block + have * size, 0, more * size);
+    memcpy(out, &block, sizeof block);
+out:
+    return st;
 }
 
 // -- items --------------------------------------------------------------------

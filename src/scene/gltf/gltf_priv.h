@@ -13,6 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#define GP_GLTF_MOST 1e15 // of a number of a file, either way
+
 /* Bytes that belong to the file or to one of its buffers. */
 struct gp_gltf_span {
     const uint8_t *at;
@@ -91,6 +93,10 @@ void gp_gltf_name(json_t *o, char out[GP_SCENE_NAME]);
 GP_MUST_CHECK gp_status gp_gltf_alloc(struct gp_gltf *g, size_t count,
                                       size_t size, void *out);
 
+/* The same after `have` items of the same pointer, NULL where there are none. */
+GP_MUST_CHECK gp_status gp_gltf_grow(struct gp_gltf *g, size_t have,
+                                     size_t more, size_t size, void *out);
+
 /* Buffer view `index`; *stride 0: packed. */
 GP_MUST_CHECK gp_status gp_gltf_view(const struct gp_gltf *g, int index,
     struct gp_gltf_span *out, int *stride);
@@ -160,6 +166,7 @@ struct gp_keys {
 /* A node: its place relative to its parent. */
 struct gp_scene_node {
     int parent;        // -1: none
+    bool listed;       // it is in the order of all
     bool placed;       // it is in the scene
     bool matrix;       // given as a matrix, which keys cannot move
     double local[16];  // row vectors; of its matrix

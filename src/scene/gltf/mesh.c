@@ -161,15 +161,12 @@ out:
 
 // -- meshes -------------------------------------------------------------------
 
-/* Primitives are walked twice: `fill` false counts, then true writes. */
 struct walk {
     struct gp_gltf *g;
     struct gp_scene *out;
-    bool fill;
-    long long vertices, indices;
-    int submeshes;
     struct known {     // of each accessor of positions
-        int first;     // its first vertex; -1: none yet
+        bool read;
+        int first;     // its first vertex
         int uv, moved; // accessor of its texture coordinates, and the material
                        // that moves these; -1: none
     } *known;          // owned
@@ -177,16 +174,14 @@ struct walk {
 };
 
 /* Writes the triangles of `n` vertices in glTF's mode 4 to 6. */
-static int triangles(int mode, int n, const uint32_t *v, uint32_t *to)
+static void triangles(int mode, int n, const uint32_t *v, uint32_t *to)
 {
-    int k = 0;
     for (int i = 0; i + 2 < n; i += mode == 4 ? 3 : 1) {
         const int odd = mode == 5 ? i & 1 : 0;
-        to[k++] = v[mode == 6 ? i + 1 : i];
-        to[k++] = v[mode == 6 ? i + 2 : i + 1 + odd];
-        to[k++] = v[mode == 6 ? 0 : i + 2 - odd];
+        *to++ = v[mode == 6 ? i + 1 : i];
+        *to++ = v[mode == 6 ? i + 2 : i + 1 + odd];
+        *to++ = v[mode == 6 ? 0 : i + 2 - odd];
     }
-    return k;
 }
 
 /* Texture coordinates of a cut-out. */
@@ -217,10 +212,11 @@ static gp_status read_vertices(struct walk *w, int positions,
                                const struct gp_gltf_accessor *a)
 {
     struct gp_gltf_accessor map;
+    struct gp_scene *const s = w->out;
     struct known *const known = &w->known[positions];
+    const size_t at = (size_t) s->vertices, n = (size_t) a->count;
     gp_status st = GP_OK;
-    if (known->first >= 0 && known->uv == uv->accessor &&
-        known->moved == uv->moved)
+    if (known->read && known->uv == uv->accessor && known->moved == uv->moved)
         return GP_OK;
     if (uv->accessor >= 0) {
         GP_TRY(gp_gltf_accessor(w->g, uv->accessor, &map));
@@ -228,43 +224,53 @@ static gp_status read_vertices(struct walk *w, int positions,
             GP_TRY(gp_gltf_fail(&map.place, "%d texture coordinates for %d "
                                 "positions", map.count, a->count));
     }
-    *known = (struct known) {(int) w->vertices, uv->accessor, uv->moved};
-    if (w->fill) {
-        const size_t at = (size_t) w->vertices;
-        GP_TRY(gp_gltf_floats(a, 3, w->out->position + 3 * at));
-        if (uv->accessor >= 0)
-            GP_TRY(gp_gltf_floats(&map, 2, w->out->uv + 2 * at));
-        if (uv->accessor >= 0 && uv->moved >= 0)
-            move_uv(uv, a->count, w->out->uv + 2 * at);
-    }
-    w->vertices += a->count;
-    if (w->vertices > INT_MAX / 4)
+    if (at + n > INT_MAX / 4)
         GP_TRY(gp_gltf_fail(&a->place, "over %d vertices", INT_MAX / 4));
+    GP_TRY(gp_gltf_grow(w->g, at, n, 3 * sizeof(float), &s->position));
+    GP_TRY(gp_gltf_grow(w->g, at, n, 2 * sizeof(float), &s->uv));
+    GP_TRY(gp_gltf_floats(a, 3, s->position + 3 * at));
+    if (uv->accessor >= 0)
+        GP_TRY(gp_gltf_floats(&map, 2, s->uv + 2 * at));
+    if (uv->accessor >= 0 && uv->moved >= 0)
+        move_uv(uv, a->count, s->uv + 2 * at);
+    *known = (struct known) {true, s->vertices, uv->accessor, uv->moved};
+    s->vertices += a->count;
 out:
     return st;
 }
 
-/* Writes the triangles of a primitive, and grows the box of its mesh. */
-static gp_status fill_triangles(struct walk *w, int mode, int count, int first,
-                                const struct gp_gltf_accessor *a,
-                                const struct gp_gltf_accessor *index,
-                                struct gp_box *box)
+/* Adds the triangles of a primitive, a submesh, and grows the box of its mesh. */
+static gp_status add_triangles(struct walk *w, int mode, int material,
+                               int first, const struct gp_gltf_accessor *a,
+                               const struct gp_gltf_accessor *index,
+                               struct gp_box *box)
 {
     struct gp_scene *const s = w->out;
-    uint32_t *list = NULL, *const to = s->index + w->indices;
+    const int count = index ? index->count : a->count;
+    const long long n = count < 3   ? 0
+                        : mode == 4 ? count / 3 * 3
+                                    : 3LL * (count - 2);
+    const size_t at = (size_t) s->indices, submesh = (size_t) s->submeshes;
+    uint32_t *list = NULL;
     gp_status st;
+    if (n > INT_MAX - s->indices)
+        return gp_gltf_fail(&a->place, "over %d indices", INT_MAX);
+    GP_TRY(gp_gltf_grow(w->g, at, (size_t) n, sizeof *s->index, &s->index));
+    GP_TRY(gp_gltf_grow(w->g, submesh, 1, sizeof *s->submesh, &s->submesh));
     GP_TRY(gp_alloc(w->g->log, w->g->path, (size_t) count, sizeof *list,
                     &list));
     if (index)
         GP_TRY(gp_gltf_indices(index, a->count, list));
     for (int i = 0; i < count && !index; i++)
         list[i] = (uint32_t) i;
-    const int n = triangles(mode, count, list, to);
-    for (int i = 0; i < n; i++) {
-        to[i] += (uint32_t) first;
-        *box = gp_box_with(*box, gp_scene_vertex(s, to[i]));
+    triangles(mode, count, list, s->index + at);
+    for (uint32_t *to = s->index + at; to < s->index + at + n; to++) {
+        *to += (uint32_t) first;
+        *box = gp_box_with(*box, gp_scene_vertex(s, *to));
     }
-    st = GP_OK;
+    s->submesh[s->submeshes++] =
+        (struct gp_submesh) {s->indices, (int) n, material};
+    s->indices += (int) n;
 out:
     gp_free(list);
     return st;
@@ -346,74 +352,36 @@ static gp_status read_primitive(struct walk *w, const struct gp_json_place *at,
         GP_TRY(gp_gltf_fail(at, "its triangles are compressed (Draco), which "
                             "is not supported"));
     GP_TRY(read_vertices(w, positions, &uv, &a));
-    const int count = indices >= 0 ? index.count : a.count;
-    const long long n =
-        count < 3 ? 0 : mode == 4 ? count / 3 * 3 : 3LL * (count - 2);
-    if (n > INT_MAX - w->indices)
-        GP_TRY(gp_gltf_fail(at, "over %d indices", INT_MAX));
-    if (w->fill) {
-        w->out->submesh[w->submeshes] = (struct gp_submesh) {
-            (int) w->indices, (int) n, material,
-        };
-        GP_TRY(fill_triangles(w, mode, count, w->known[positions].first, &a,
-                              indices >= 0 ? &index : NULL, &mesh->box));
-    }
-    w->indices += n;
-    w->submeshes++;
+    GP_TRY(add_triangles(w, mode, material, w->known[positions].first, &a,
+                         indices >= 0 ? &index : NULL, &mesh->box));
 out:
     return st;
-}
-
-static gp_status walk_meshes(struct walk *w)
-{
-    gp_status st;
-    w->vertices = w->indices = 0;
-    w->submeshes = 0;
-    for (int i = 0; i < gp_gltf_count(w->g, "accessors"); i++)
-        w->known[i].first = -1;
-    for (int i = 0; i < w->out->meshes; i++) {
-        struct gp_mesh *const mesh = &w->out->mesh[i];
-        json_t *const o = gp_gltf_item(w->g, "meshes", i), *primitive;
-        json_t *const list = json_object_get(o, "primitives");
-        const struct gp_json_place at = gp_gltf_at(w->g, "mesh", i);
-        size_t k;
-        mesh->first = w->submeshes;
-        mesh->box = GP_BOX_EMPTY;
-        if (!json_is_array(list))
-            return gp_gltf_fail(&at, "no \"primitives\"");
-        json_array_foreach (list, k, primitive) {
-            st = read_primitive(w, &at, primitive, mesh);
-            if (st)
-                return st;
-        }
-        mesh->submeshes = w->submeshes - mesh->first;
-    }
-    return GP_OK;
 }
 
 gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
 {
     struct walk w = {.g = g, .out = out};
     const size_t accessors = (size_t) gp_gltf_count(g, "accessors");
-    const int n = gp_gltf_count(g, "meshes");
     gp_status st;
-    GP_TRY(gp_gltf_alloc(g, (size_t) n, sizeof *out->mesh, &out->mesh));
-    out->meshes = n;
+    out->meshes = gp_gltf_count(g, "meshes");
+    GP_TRY(
+        gp_gltf_alloc(g, (size_t) out->meshes, sizeof *out->mesh, &out->mesh));
     GP_TRY(gp_gltf_alloc(g, accessors, sizeof *w.known, &w.known));
-    GP_TRY(walk_meshes(&w));
-    out->vertices = (int) w.vertices;
-    out->indices = (int) w.indices;
-    out->submeshes = w.submeshes;
-    GP_TRY(gp_gltf_alloc(g, (size_t) w.vertices, 3 * sizeof *out->position,
-                         &out->position));
-    GP_TRY(
-        gp_gltf_alloc(g, (size_t) w.vertices, 2 * sizeof *out->uv, &out->uv));
-    GP_TRY(
-        gp_gltf_alloc(g, (size_t) w.indices, sizeof *out->index, &out->index));
-    GP_TRY(gp_gltf_alloc(g, (size_t) w.submeshes, sizeof *out->submesh,
-                         &out->submesh));
-    w.fill = true;
-    GP_TRY(walk_meshes(&w));
+    for (int i = 0; i < out->meshes; i++) {
+        struct gp_mesh *const mesh = &out->mesh[i];
+        json_t *const o = gp_gltf_item(g, "meshes", i), *primitive;
+        json_t *const list = json_object_get(o, "primitives");
+        const struct gp_json_place at = gp_gltf_at(g, "mesh", i);
+        size_t k;
+        mesh->first = out->submeshes;
+        mesh->box = GP_BOX_EMPTY;
+        if (!json_is_array(list))
+            GP_TRY(gp_gltf_fail(&at, "no \"primitives\""));
+        json_array_foreach (list, k, primitive) {
+            GP_TRY(read_primitive(&w, &at, primitive, mesh));
+        }
+        mesh->submeshes = out->submeshes - mesh->first;
+    }
     if (w.drawn)
         gp_say(g->log, GP_LEVEL_INFO, "%s: points and lines hide no light and "
                "are left out", g->path);

@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double MOST_PLACE = 1e15;
 // -- nodes --------------------------------------------------------------------
 
 static gp_status read_node(const struct gp_gltf *g, int index,
@@ -24,14 +23,14 @@ static gp_status read_node(const struct gp_gltf *g, int index,
         .scale = {1, 1, 1},
     };
     n->matrix = json_object_get(o, "matrix");
-    GP_TRY(gp_json_numbers(&at, o, "matrix", 16, -MOST_PLACE, MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at, o, "matrix", 16, -GP_GLTF_MOST, GP_GLTF_MOST,
                            n->local));
-    GP_TRY(gp_json_numbers(&at, o, "translation", 3, -MOST_PLACE, MOST_PLACE,
-                           n->move));
-    GP_TRY(gp_json_numbers(&at, o, "rotation", 4, -MOST_PLACE, MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at, o, "translation", 3, -GP_GLTF_MOST,
+                           GP_GLTF_MOST, n->move));
+    GP_TRY(gp_json_numbers(&at, o, "rotation", 4, -GP_GLTF_MOST, GP_GLTF_MOST,
                            n->turn));
-    GP_TRY(
-        gp_json_numbers(&at, o, "scale", 3, -MOST_PLACE, MOST_PLACE, n->scale));
+    GP_TRY(gp_json_numbers(&at, o, "scale", 3, -GP_GLTF_MOST, GP_GLTF_MOST,
+                           n->scale));
     if (n->turn[0] == 0.0 && n->turn[1] == 0.0 && n->turn[2] == 0.0 &&
         n->turn[3] == 0.0)
         GP_TRY(gp_gltf_fail(&at, "\"rotation\" is 0, 0, 0, 0, no turn"));
@@ -75,31 +74,24 @@ static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
     return GP_OK;
 }
 
-/* Orders the nodes, parents first. A node of a circle has no place in it. */
+/* Orders the nodes, parents first. */
 static gp_status order_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 {
     int n = 0;
     for (int i = 0; i < s->n; i++) {
-        if (s->at[i].parent < 0)
-            s->order[n++] = i;
-    }
-    for (int k = 0; k < n; k++) {
-        json_t *const list = json_object_get(
-            gp_gltf_item(g, "nodes", s->order[k]), "children"), *item;
-        size_t c;
-        json_array_foreach (list, c, item) {
-            s->order[n++] = (int) json_number_value(item);
+        int up = s->n; // from here on: the way to a node that is listed
+        for (int k = i; k >= 0 && !s->at[k].listed; k = s->at[k].parent) {
+            const struct gp_json_place at = gp_gltf_at(g, "node", i);
+            if (up == n)
+                return gp_gltf_fail(&at, "its parents are a circle");
+            s->order[--up] = k;
+        }
+        for (; up < s->n; up++) {
+            s->at[s->order[up]].listed = true;
+            s->order[n++] = s->order[up];
         }
     }
-    if (n == s->n)
-        return GP_OK;
-    int lost = 0; // one that has no root
-    for (int k = 0; k < n; k++)
-        s->at[s->order[k]].placed = true;
-    while (s->at[lost].placed)
-        lost++;
-    const struct gp_json_place at = gp_gltf_at(g, "node", lost);
-    return gp_gltf_fail(&at, "its parents are a circle");
+    return GP_OK;
 }
 
 /* Marks the nodes of the file's scene; without one, all. */
@@ -160,7 +152,7 @@ static gp_status read_size(const struct gp_json_place *at, json_t *o,
     double radians = 0.0;
     gp_status st;
     GP_TRY(
-        gp_json_number(at, extras, "ball_radius", 0.0, MOST_PLACE, &l->ball));
+        gp_json_number(at, extras, "ball_radius", 0.0, GP_GLTF_MOST, &l->ball));
     if (l->kind != GP_LIGHT_DIRECTIONAL)
         return GP_OK;
     GP_TRY(gp_json_number(at, extras, "angle", 0.0, M_PI / 2, &radians));
@@ -171,11 +163,20 @@ out:
     return st;
 }
 
-/* Reads light `o` of KHR_lights_punctual. */
-static gp_status read_light(const struct gp_json_place *at, json_t *o,
+/* Returns the lights of KHR_lights_punctual. */
+static json_t *lights_of(const struct gp_gltf *g)
+{
+    return json_object_get(gp_gltf_extension(g->root, "KHR_lights_punctual"),
+                           "lights");
+}
+
+static gp_status read_light(const struct gp_gltf *g, int index,
                             struct gp_scene_light *l)
 {
     static const char *const kinds[] = {"directional", "point", "spot", NULL};
+    const struct gp_json_place place = gp_gltf_at(g, "light", index);
+    const struct gp_json_place *const at = &place;
+    json_t *const o = json_array_get(lights_of(g), (size_t) index);
     json_t *const spot = json_object_get(o, "spot");
     int kind = -1;
     gp_status st;
@@ -191,7 +192,7 @@ static gp_status read_light(const struct gp_json_place *at, json_t *o,
     l->kind = (enum gp_scene_light_kind) kind;
     GP_TRY(gp_json_numbers(at, o, "color", 3, 0.0, 1e6, l->color));
     GP_TRY(gp_json_number(at, o, "intensity", 0.0, 1e12, &l->intensity));
-    GP_TRY(gp_json_number(at, o, "range", 0.0, MOST_PLACE, &l->range));
+    GP_TRY(gp_json_number(at, o, "range", 0.0, GP_GLTF_MOST, &l->range));
     GP_TRY(
         gp_json_number(at, spot, "innerConeAngle", 0.0, M_PI / 2, &l->inner));
     GP_TRY(gp_json_number(at, spot, "outerConeAngle", 0.0, M_PI / 2 + 1e-6,
@@ -204,25 +205,6 @@ static gp_status read_light(const struct gp_json_place *at, json_t *o,
                             "\"outerConeAngle\" %g", l->inner, l->outer));
     gp_gltf_name(o, l->name);
     GP_TRY(read_size(at, o, l));
-out:
-    return st;
-}
-
-/* Reads all definitions of lights, so that a bad one is an error also where no
- * node has it. Writes *n, and *list, which the caller frees. */
-static gp_status read_lights(struct gp_gltf *g, struct gp_scene_light **list,
-                             int *n)
-{
-    json_t *const lights = json_object_get(
-        gp_gltf_extension(g->root, "KHR_lights_punctual"), "lights"), *o;
-    size_t k;
-    gp_status st;
-    *n = (int) json_array_size(lights);
-    GP_TRY(gp_gltf_alloc(g, (size_t) *n, sizeof **list, list));
-    json_array_foreach (lights, k, o) {
-        const struct gp_json_place at = gp_gltf_at(g, "light", (int) k);
-        GP_TRY(read_light(&at, o, &(*list)[k]));
-    }
 out:
     return st;
 }
@@ -247,8 +229,8 @@ static gp_status read_camera(const struct gp_gltf *g, int index,
     if (kind == 1)
         return GP_OK;
     GP_TRY(gp_json_number(&at, p, "yfov", 1e-6, M_PI - 1e-6, &c->yfov));
-    GP_TRY(gp_json_number(&at, p, "znear", 0.0, MOST_PLACE, &c->near));
-    GP_TRY(gp_json_number(&at, p, "zfar", 0.0, MOST_PLACE, &far));
+    GP_TRY(gp_json_number(&at, p, "znear", 0.0, GP_GLTF_MOST, &c->near));
+    GP_TRY(gp_json_number(&at, p, "zfar", 0.0, GP_GLTF_MOST, &far));
     if (!(c->yfov > 0.0) || !(far > c->near))
         GP_TRY(gp_gltf_fail(&at, "no \"yfov\", or \"zfar\" not over \"znear\""));
 out:
@@ -257,11 +239,10 @@ out:
 
 // -- what is placed -----------------------------------------------------------
 
-/* Adds what a node places; `defs` are the file's lights. */
-static gp_status place_node(struct gp_gltf *g, int index,
-                            const struct gp_scene_light *defs, int defined,
-                            struct gp_scene *out)
+/* Adds what a node places. */
+static gp_status place_node(struct gp_gltf *g, int index, struct gp_scene *out)
 {
+    const int defined = (int) json_array_size(lights_of(g));
     const struct gp_json_place at = gp_gltf_at(g, "node", index);
     json_t *const o = gp_gltf_item(g, "nodes", index);
     char name[GP_SCENE_NAME];
@@ -286,7 +267,7 @@ static gp_status place_node(struct gp_gltf *g, int index,
             (struct gp_object) {.mesh = mesh, .node = index};
     if (light >= 0) {
         struct gp_scene_light *const l = &out->light[out->lights++];
-        *l = defs[light];
+        GP_TRY(read_light(g, light, l));
         l->node = index;
         GP_TRY(read_size(&at, o, l));
         if (*name)
@@ -308,13 +289,14 @@ out:
 static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
 {
     const struct gp_scene_nodes *const nodes = out->nodes;
-    struct gp_scene_light *defs = NULL;
+    struct gp_scene_light light;
     struct gp_scene_camera camera;
     size_t objects = 0, lights = 0, cameras = 0; // at most
     bool perspective;
-    int defined = 0;
     gp_status st;
-    GP_TRY(read_lights(g, &defs, &defined));
+    // a bad one is an error also where no node has it
+    for (int i = 0; i < (int) json_array_size(lights_of(g)); i++)
+        GP_TRY(read_light(g, i, &light));
     for (int i = 0; i < gp_gltf_count(g, "cameras"); i++)
         GP_TRY(read_camera(g, i, &perspective, &camera));
     for (int i = 0; i < nodes->n; i++) {
@@ -328,10 +310,9 @@ static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
     GP_TRY(gp_gltf_alloc(g, cameras, sizeof *out->camera, &out->camera));
     for (int i = 0; i < nodes->n; i++) {
         if (nodes->at[i].placed)
-            GP_TRY(place_node(g, i, defs, defined, out));
+            GP_TRY(place_node(g, i, out));
     }
 out:
-    gp_free(defs);
     return st;
 }
 
