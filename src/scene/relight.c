@@ -290,11 +290,9 @@ static double light_at(const struct gp_scene_light *l, const struct surface *s)
     const double cosine = gp_v3_dot(to, s->normal) / d;
     if (!(cosine > 0.0) || !(d2 > 0.0))
         return 0.0;
+    const double far = d2 / (l->range * l->range);
     double light = l->intensity * cosine / d2;
-    if (isfinite(l->range) && l->range > 0.0) {
-        const double far = d2 / (l->range * l->range);
-        light *= fmax(1.0 - far * far, 0.0);
-    }
+    light *= fmax(1.0 - far * far, 0.0);
     return light * gp_spot_share(l, gp_v3_scale(to, -1.0 / d));
 }
 
@@ -305,9 +303,8 @@ static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
         return true;
     const struct gp_v3 from = gp_v3_sub(place, l->at);
     const double d = gp_v3_length(from);
-    return !(l->range > 0.0 && d >= l->range) &&
-           (l->kind != GP_LIGHT_SPOT ||
-            gp_v3_dot(from, l->along) > d * gp_cos(l->outer));
+    return d < l->range && (l->kind != GP_LIGHT_SPOT ||
+                            gp_v3_dot(from, l->along) > d * gp_cos(l->outer));
 }
 
 // -- a light's pass -----------------------------------------------------------
@@ -318,15 +315,15 @@ static struct gp_v3 way_to_place(const struct relit *w, int x, int y, int i)
     return way_to(w, x + 0.5 + w->place[i][0], y + 0.5 + w->place[i][1]);
 }
 
-/* True where nothing is between a place of a surface and the light. */
-static bool is_free(const struct lamp *lamp, struct gp_v3 place,
-                    struct gp_v3 normal, double z)
+/* True where nothing is between a surface and the light. */
+static bool is_free(const struct lamp *lamp, const struct surface *s)
 {
     const struct gp_scene_light *const l = lamp->pass->light;
     const bool sun = l->kind == GP_LIGHT_DIRECTIONAL;
     // a float of depth is right to 1e-7; normals of curved meshes are not those
     // of their triangles
-    const struct gp_v3 p = gp_v3_add(place, gp_v3_scale(normal, 2e-4 * z));
+    const struct gp_v3 p =
+        gp_v3_add(s->place, gp_v3_scale(s->normal, 2e-4 * s->z));
     const struct gp_v3 to = sun ? gp_v3_scale(l->along, -1.0)
                                 : gp_v3_sub(l->at, p);
     return !gp_rays_stopped(&lamp->rays, p, to, sun ? INFINITY : 1.0);
@@ -337,17 +334,17 @@ static double clear_share(const struct lamp *lamp, const struct surface *s,
                           int x, int y, struct glarepp_relit *facts)
 {
     const struct relit *const w = lamp->of;
+    struct surface at = *s;
     double clear = 0.0;
     facts->rays += GP_PLACES;
     for (int i = 0; i < GP_PLACES; i++) {
         const struct gp_v3 way = way_to_place(w, x, y, i);
-        double z = plane_at(w, s, way);
+        at.z = plane_at(w, s, way);
         // a surface that is seen along its plane is not followed there
-        if (!(z > 0.8 * s->z && z < 1.25 * s->z))
-            z = s->z;
-        if (is_free(lamp, gp_v3_add(w->eye, gp_v3_scale(way, z)), s->normal,
-                    z))
-            clear += 1.0 / GP_PLACES;
+        if (!(at.z > 0.8 * s->z && at.z < 1.25 * s->z))
+            at.z = s->z;
+        at.place = gp_v3_add(w->eye, gp_v3_scale(way, at.z));
+        clear += is_free(lamp, &at) ? 1.0 / GP_PLACES : 0.0;
     }
     return clear;
 }
@@ -463,7 +460,7 @@ static void light_places(const struct lamp *lamp,
         if (!(light > 0.0) || !(weight[i] > 0.0))
             continue;
         facts->rays++;
-        if (!is_free(lamp, of[i].place, of[i].normal, of[i].z))
+        if (!is_free(lamp, &of[i]))
             continue;
         light *= weight[i] * pass->light_scale / M_PI;
         for (int c = 0; c < 3; c++)
@@ -489,7 +486,7 @@ static void mark_row(void *ctx, int i, int thread)
             !(s.z > 0.0) || !(light_at(lamp->pass->light, &s) > 0.0))
             continue;
         lamp->row[i].rays++;
-        mark[x] = is_free(lamp, s.place, s.normal, s.z) ? LIT : DARK;
+        mark[x] = is_free(lamp, &s) ? LIT : DARK;
     }
 }
 
@@ -577,10 +574,14 @@ static void light_row(void *ctx, int i, int thread)
     }
 }
 
-/* Sets the axes of the picture in the world; programs differ in to_camera. */
-static void set_axes(struct relit *w)
+/* Sets the axes of the picture in the world, as programs differ in to_camera, and
+ * the ways to its places: at unit distance along the axis they are even. */
+static void set_view(struct relit *w)
 {
     const double *const ndc = w->f->camera.to_ndc;
+    const struct gp_rect d = w->f->display;
+    const double at[3][2] = {{d.x0, d.y0}, {d.x1, d.y0}, {d.x0, d.y1}};
+    struct gp_v3 way[3];
     w->axis = gp_column(ndc, 3);
     for (int c = 0; c < 2; c++) { // a lens shift is along the view
         const struct gp_v3 side = gp_column(ndc, c);
@@ -589,15 +590,6 @@ static void set_axes(struct relit *w)
             gp_v3_scale(w->axis, along))), c ? -1.0 : 1.0);
     }
     w->camera[2] = gp_v3_scale(w->axis, -1.0);
-}
-
-/* Sets the ways to the picture's places: at unit distance along the axis they
- * are even. */
-static void set_ways(struct relit *w)
-{
-    const struct gp_rect d = w->f->display;
-    const double at[3][2] = {{d.x0, d.y0}, {d.x1, d.y0}, {d.x0, d.y1}};
-    struct gp_v3 way[3];
     for (int i = 0; i < 3; i++) {
         const struct gp_v3 ray = gp_camera_ray(&w->f->camera, d, at[i][0],
                                                at[i][1]);
@@ -637,8 +629,7 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
         .f = f, .eye = gp_camera_eye(&f->camera), .lamps = passes,
     };
     gp_status st;
-    set_axes(&w);
-    set_ways(&w);
+    set_view(&w);
     gp_places_set(w.place);
     GP_TRY(gp_rays_make(log, s, meshes, f->object, f->objects, &w.shown));
     GP_TRY(find_colours(log, &w));

@@ -150,7 +150,7 @@ struct gp_scene_light {
     struct gp_v3 along;    // unit, from the light, posed; not of a point
     double color[3];       // linear
     double intensity;      // cd; directional lux
-    double range;          // INFINITY: no limit
+    double range;          // > 0; INFINITY: no limit
     double inner, outer;   // half angles of a spot, radians
     double ball;           // radius of its lamp, extras.ball_radius; 0: not
                            // given

@@ -275,8 +275,6 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
         {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1},
     };
     struct gp_scene_nodes *const nodes = s->nodes;
-    if (!nodes)
-        return; // made in memory
     s->time = seconds;
     // keys are floats: the time of a frame is rounded as that of its key was
     const double rounded = (double) (float) seconds;
@@ -321,8 +319,6 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
 
 void gp_scene_turn(struct gp_scene *s, enum glarepp_up up)
 {
-    if (s->nodes) {
-        s->nodes->turned = up == GLAREPP_UP_Z;
-        gp_scene_pose(s, s->time);
-    }
+    s->nodes->turned = up == GLAREPP_UP_Z;
+    gp_scene_pose(s, s->time);
 }

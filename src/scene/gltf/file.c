@@ -131,7 +131,7 @@ static int base64_value(char c)
 
 /* Decodes "data:TYPE;base64,TEXT" (RFC 2397, RFC 4648). */
 static gp_status decode_uri(const struct gp_json_place *at, const char *uri,
-                            struct gp_gltf_span *out, void **own)
+                            struct gp_gltf_span *out)
 {
     const char *const comma = strchr(uri, ',');
     if (!comma || comma - uri < 7 || memcmp(comma - 7, ";base64", 7) != 0)
@@ -158,27 +158,26 @@ static gp_status decode_uri(const struct gp_json_place *at, const char *uri,
             to[n++] = (uint8_t) (bits >> held);
         }
     }
-    *out = (struct gp_gltf_span) {to, n};
-    *own = to;
+    *out = (struct gp_gltf_span) {.at = to, .bytes = n, .own = to};
     return GP_OK;
 }
 
 /* Finds the bytes of a data URI, or the path of the file beside the scene that
- * another means, whose percent codes are undone: one of *own and *file. */
+ * another means, whose percent codes are undone. */
 static gp_status resolve(const struct gp_gltf *g,
                          const struct gp_json_place *at, const char *uri,
-                         struct gp_gltf_span *out, void **own, char **file)
+                         struct gp_gltf_span *out)
 {
     const char *const slash = strrchr(g->path, '/');
     const size_t folder = slash ? (size_t) (slash + 1 - g->path) : 0;
     if (strncmp(uri, "data:", 5) == 0)
-        return decode_uri(at, uri, out, own);
-    const gp_status st = gp_alloc(g->log, g->path, folder + strlen(uri) + 1, 1,
-                                  file);
+        return decode_uri(at, uri, out);
+    const gp_status st =
+        gp_alloc(g->log, g->path, folder + strlen(uri) + 1, 1, &out->file);
     if (st)
         return st;
-    memcpy(*file, g->path, folder);
-    char *const name = *file + folder, *to = name;
+    memcpy(out->file, g->path, folder);
+    char *const name = out->file + folder, *to = name;
     for (const char *from = uri; *from; from++) {
         const bool coded = *from == '%' && isxdigit((unsigned char) from[1]) &&
                            isxdigit((unsigned char) from[2]);
@@ -196,11 +195,10 @@ static gp_status resolve(const struct gp_gltf *g,
 
 static gp_status read_buffer(struct gp_gltf *g, int index)
 {
-    struct gp_gltf_buffer *const b = &g->buffer[index];
+    struct gp_gltf_span *const b = &g->buffer[index];
     const struct gp_json_place at = gp_gltf_at(g, "buffer", index);
     json_t *const o = gp_gltf_item(g, "buffers", index);
     const char *uri = NULL;
-    char *file = NULL;
     uint64_t size;
     int declared = 0;
     gp_status st;
@@ -208,30 +206,29 @@ static gp_status read_buffer(struct gp_gltf *g, int index)
     GP_TRY(gp_json_text(&at, o, "uri", &uri));
     if (!uri && gp_gltf_extension(o, "EXT_meshopt_compression"))
         return GP_OK; // a fallback without bytes: who uses it gets none
-    if (!uri && index == 0 && g->chunk.at) {
-        b->span = g->chunk;
-    } else if (!uri) {
+    if (!uri && index == 0 && g->chunk.at)
+        *b = g->chunk;
+    else if (!uri)
         GP_TRY(gp_gltf_fail(&at, "no \"uri\", and no binary chunk"));
-    } else {
-        GP_TRY(resolve(g, &at, uri, &b->span, &b->own, &file));
-    }
-    if (file) {
+    else
+        GP_TRY(resolve(g, &at, uri, b));
+    if (b->file) {
         if (g->beside)
             GP_TRY(gp_gltf_fail(&at, "a second file beside the scene (found "
                                 "\"%.100s\"); at most one is read", uri));
         g->beside = true;
-        GP_TRY(gp_load_regular(g->log, file, (size_t) declared, &b->own,
+        GP_TRY(gp_load_regular(g->log, b->file, (size_t) declared, &b->own,
                                &size));
         size = size < MOST_FILE ? size : MOST_FILE;
-        b->span = (struct gp_gltf_span) {b->own, (int) size};
+        b->at = b->own;
+        b->bytes = (int) size;
         g->file_bytes += size < (uint64_t) declared ? size : (size_t) declared;
     }
-    if (declared > b->span.bytes)
+    if (declared > b->bytes)
         GP_TRY(gp_gltf_fail(&at, "truncated (%d bytes, \"byteLength\" is %d)",
-                            b->span.bytes, declared));
-    b->span.bytes = declared;
+                            b->bytes, declared));
+    b->bytes = declared;
 out:
-    gp_free(file);
     return st;
 }
 
@@ -249,35 +246,35 @@ gp_status gp_gltf_view(const struct gp_gltf *g, int index,
     GP_TRY(gp_json_int(&at, o, "byteOffset", 0, MOST_FILE, &offset));
     GP_TRY(gp_json_int(&at, o, "byteLength", 1, MOST_FILE, &bytes));
     GP_TRY(gp_json_int(&at, o, "byteStride", 4, 252, stride));
-    const struct gp_gltf_span all = g->buffer[buffer].span;
+    const struct gp_gltf_span all = g->buffer[buffer];
     if (offset > all.bytes || bytes > all.bytes - offset)
         GP_TRY(gp_gltf_fail(&at, "it leaves its buffer (bytes %d to %lld of "
                             "%d)", offset, (long long) offset + bytes,
                             all.bytes));
-    *out = (struct gp_gltf_span) {all.at ? all.at + offset : NULL, bytes};
+    *out = (struct gp_gltf_span) {.at = all.at ? all.at + offset : NULL,
+                                  .bytes = bytes};
 out:
     return st;
 }
 
 gp_status gp_gltf_image(const struct gp_gltf *g, int index,
-                        struct gp_gltf_span *span, void **own, char **file)
+                        struct gp_gltf_span *out)
 {
     const struct gp_json_place at = gp_gltf_at(g, "image", index);
     json_t *const o = gp_gltf_item(g, "images", index);
     const char *uri = NULL;
     int view = -1, stride;
     gp_status st;
-    *span = (struct gp_gltf_span) {0};
     GP_TRY(gp_json_text(&at, o, "uri", &uri));
     GP_TRY(gp_gltf_index(g, &at, o, "bufferView", "bufferViews", &view));
     if (view >= 0) {
-        GP_TRY(gp_gltf_view(g, view, span, &stride));
-        if (!span->at)
+        GP_TRY(gp_gltf_view(g, view, out, &stride));
+        if (!out->at)
             GP_TRY(gp_gltf_fail(&at, "it has no bytes"));
     } else if (!uri) {
         GP_TRY(gp_gltf_fail(&at, "neither \"uri\" nor \"bufferView\""));
     } else {
-        GP_TRY(resolve(g, &at, uri, span, own, file));
+        GP_TRY(resolve(g, &at, uri, out));
     }
 out:
     return st;
@@ -305,7 +302,8 @@ static gp_status read_chunks(struct gp_gltf *g, struct gp_gltf_span *json)
             return gp_gltf_fail(&g->whole, "damaged (chunk %d of %zu bytes, "
                                 "the file has %zu left)", i, bytes,
                                 declared - from);
-        const struct gp_gltf_span span = {at + from, (int) bytes};
+        const struct gp_gltf_span span = {.at = at + from,
+                                          .bytes = (int) bytes};
         if (i == 0 && type == GLB_JSON)
             *json = span;
         else if (i == 1 && type == GLB_BINARY)
@@ -397,7 +395,7 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
     if (binary)
         GP_TRY(read_chunks(out, &json));
     else
-        json = (struct gp_gltf_span) {out->file, (int) out->file_bytes};
+        json = (struct gp_gltf_span) {.at = out->file, .bytes = (int) size};
     const char *const text = (const char *) json.at;
     const size_t bytes = (size_t) json.bytes;
     const size_t memory = gp_json_memory(text, bytes);
@@ -423,8 +421,10 @@ out:
 
 void gp_gltf_close(struct gp_gltf *g)
 {
-    for (int i = 0; i < g->buffers && g->buffer; i++)
+    for (int i = 0; i < g->buffers && g->buffer; i++) {
         gp_free(g->buffer[i].own);
+        gp_free(g->buffer[i].file);
+    }
     gp_free(g->buffer);
     json_decref(g->root);
     gp_free(g->file);

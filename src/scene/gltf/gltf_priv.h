@@ -15,15 +15,12 @@
 
 #define GP_GLTF_MOST 1e15 // of a number of a file, either way
 
-/* Bytes that belong to the file or to one of its buffers. */
+/* Bytes of the file or of one of its buffers. */
 struct gp_gltf_span {
     const uint8_t *at;
     int bytes;
-};
-
-struct gp_gltf_buffer {
-    struct gp_gltf_span span;
-    void *own;         // of a data URI or a file beside; NULL: of the .glb
+    void *own;  // of a data URI or a file beside; NULL: borrowed
+    char *file; // owned name of the file beside that has them; NULL: `at` has
 };
 
 /* Content that is read as something else, by the warnings of node.c. */
@@ -41,7 +38,7 @@ struct gp_gltf {
     size_t file_bytes; // of the file and the .bin beside it
     json_t *root;
     struct gp_gltf_span chunk; // the binary chunk of a .glb; at NULL: none
-    struct gp_gltf_buffer *buffer;
+    struct gp_gltf_span *buffer;
     int buffers;
     bool beside;       // a buffer is a file of its own
     const struct gp_scene_images *images; // as of gp_scene_read()
@@ -101,10 +98,9 @@ GP_MUST_CHECK gp_status gp_gltf_grow(struct gp_gltf *g, size_t have,
 GP_MUST_CHECK gp_status gp_gltf_view(const struct gp_gltf *g, int index,
     struct gp_gltf_span *out, int *stride);
 
-/* Image `index`: its bytes in *span and *own (gp_free()), or, where span->at is
- * NULL, the file beside that *file names (gp_free()). */
+/* Image `index`; *out is zero, and its own and file are freed in any case. */
 GP_MUST_CHECK gp_status gp_gltf_image(const struct gp_gltf *g, int index,
-    struct gp_gltf_span *span, void **own, char **file);
+                                      struct gp_gltf_span *out);
 
 // -- accessor.c --------------------------------------------------------------
 

@@ -20,9 +20,8 @@ static gp_status read_image(struct gp_gltf *g, int index,
 {
     struct gp_cutout *const c = &s->cutout[texture];
     const struct gp_json_place place = gp_gltf_at(g, "image", index);
-    struct gp_gltf_span span;
-    void *own = NULL;
-    char *file = NULL, name[GP_LINE_BYTES];
+    struct gp_gltf_span span = {0};
+    char name[GP_LINE_BYTES];
     gp_status st;
     for (int i = 0; i < s->cutouts; i++) {
         if (s->cutout[i].alpha && s->cutout[i].image == index) {
@@ -30,10 +29,11 @@ static gp_status read_image(struct gp_gltf *g, int index,
             return GP_OK;
         }
     }
-    GP_TRY(gp_gltf_image(g, index, &span, &own, &file));
+    GP_TRY(gp_gltf_image(g, index, &span));
     snprintf(name, sizeof name, "%s: image %d", g->path, index);
-    GP_TRY(g->images->alpha(g->images->user, g->log, file ? file : name,
-                            span.at, (size_t) span.bytes, MOST_TEXELS, c));
+    GP_TRY(g->images->alpha(g->images->user, g->log,
+                            span.file ? span.file : name, span.at,
+                            (size_t) span.bytes, MOST_TEXELS, c));
     c->image = index;
     c->owner = texture;
     g->texels += (long long) c->w * c->h;
@@ -41,8 +41,8 @@ static gp_status read_image(struct gp_gltf *g, int index,
         GP_TRY(gp_gltf_fail(&place, "images of cut-outs of over %d texels "
                             "together", (int) MOST_TEXELS));
 out:
-    gp_free(own);
-    gp_free(file);
+    gp_free(span.own);
+    gp_free(span.file);
     return st;
 }
 

@@ -104,9 +104,11 @@ static struct map map_of(const struct gp_draw_light *d,
     const bool sun = l->kind == GP_LIGHT_DIRECTIONAL;
     const bool narrow = l->kind == GP_LIGHT_SPOT && l->outer < 1.05;
     struct map m = {
-        .cube = !sun && !narrow, .side = side, .origin = l->at,
+        .cube = !sun && !narrow,
+        .side = side,
+        .origin = l->at,
         // reversed depth is as precise at every distance
-        .near = isfinite(l->range) && l->range > 0.0 ? 1e-4 * l->range : 1e-3,
+        .near = isfinite(l->range) ? 1e-4 * l->range : 1e-3,
     };
     m.form_of[0] = (float) side;
     m.form_of[1] = (float) m.near;
@@ -507,11 +509,10 @@ static void add_light(const struct gp_drawing *d, const struct gp_draw_light *l,
                       const struct map *map, struct inputs *in)
 {
     const struct gp_scene_light *const of = l->light;
-    const bool limit = isfinite(of->range) && of->range > 0.0;
     const struct gp_v3 eye = gp_v3_sub(d->eye, map->origin), to = of->along;
     add_floats(in, "eye", 4, (const double[4]) {eye.x, eye.y, eye.z});
-    add_floats(in, "along", 4, (const double[4]) {
-        to.x, to.y, to.z, limit ? 1.0 / of->range : 0.0});
+    add_floats(in, "along", 4,
+               (const double[4]) {to.x, to.y, to.z, 1.0 / of->range});
     in->u[in->n] = (struct gp_uniform) {.name = "map", .floats = 4};
     memcpy(in->u[in->n++].f, map->form_of, sizeof map->form_of);
     in->u[in->n++] = (struct gp_uniform) {

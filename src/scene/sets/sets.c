@@ -194,12 +194,6 @@ static struct gp_box seen_with(struct gp_box b, struct gp_v3 p)
     return gp_box_with(b, (struct gp_v3) {p.x / p.z, p.y / p.z, p.z});
 }
 
-/* Returns a whole number as an int, cut to what fits with room for a picture. */
-static int whole(double v)
-{
-    return (int) fmin(fmax(v, -1e9), 1e9);
-}
-
 /* Returns the pixels of the window whose centres may show the part of a box at
  * v->near or beyond, and its depths. The box is not empty. */
 static struct gp_scissor box_project(const struct gp_sets_view *v,
@@ -230,15 +224,13 @@ static struct gp_scissor box_project(const struct gp_sets_view *v,
     }
     if (gp_box_empty(b))
         return (struct gp_scissor) {0};
-    return (struct gp_scissor) {
-        gp_rect_meet(v->window,
-                     (struct gp_rect) {whole(floor(d.x0 + b.lo.x * w)),
-                                       whole(floor(d.y0 + b.lo.y * h)),
-                                       whole(ceil(d.x0 + b.hi.x * w)),
-                                       whole(ceil(d.y0 + b.hi.y * h))}),
-        b.lo.z,
-        b.hi.z,
-    };
+    const struct gp_rect in = v->window;
+    const struct gp_rect seen = {
+        gp_clamp_whole(floor(d.x0 + b.lo.x * w), in.x0, in.x1),
+        gp_clamp_whole(floor(d.y0 + b.lo.y * h), in.y0, in.y1),
+        gp_clamp_whole(ceil(d.x0 + b.hi.x * w), in.x0, in.x1),
+        gp_clamp_whole(ceil(d.y0 + b.hi.y * h), in.y0, in.y1)};
+    return (struct gp_scissor) {seen, b.lo.z, b.hi.z};
 }
 
 // -- depths by tiles ----------------------------------------------------------

@@ -21,7 +21,7 @@ struct rows {
     const struct glarepp_sets_params *p;
     struct gp_drawing *d;
     struct gp_sets_view view;
-    struct gp_box all;  // of F
+    struct gp_box all;  // of F in every row: suns lay their maps over it
     int *order;         // objects, those that look largest first
     int *list, *caster; // room for all objects; of the same block
     struct gp_rect *cut; // ... of their pixels
@@ -213,25 +213,6 @@ static gp_status time_rows(struct rows *w)
     return st;
 }
 
-/* Finds the box of F, over which suns lay their maps: it is the same in every
- * row. */
-static gp_status find_all(struct rows *w)
-{
-    struct gp_sets *sets = NULL;
-    gp_status st = gp_sets_open(w->log, w->s, &w->view, 0, &sets);
-    if (st)
-        return st;
-    w->all = GP_BOX_EMPTY;
-    for (int i = 0; i < w->s->objects; i++) {
-        if (gp_sets_flags(sets)[i] & GP_SET_F)
-            w->all = gp_box_join(w->all, w->s->object[i].box);
-    }
-    if (gp_box_empty(w->all))
-        w->all = (struct gp_box) {{0, 0, 0}, {0, 0, 0}};
-    gp_sets_close(&sets);
-    return GP_OK;
-}
-
 gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_scene *s, const struct gp_camera *c,
     const struct glarepp_sets_params *p, struct gp_table *out)
@@ -239,7 +220,9 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     const size_t objects = (size_t) s->objects + 1;
     const size_t pixels = (size_t) p->w * (size_t) p->h;
     struct gp_table t = {0};
-    struct rows w = {.log = log, .gl = gl, .s = s, .p = p, .out = &t};
+    struct rows w = {
+        .log = log, .gl = gl, .s = s, .p = p, .all = GP_BOX_EMPTY, .out = &t};
+    struct gp_sets *sets = NULL;
     float *other = NULL;
     gp_status st;
     w.view = (struct gp_sets_view) {
@@ -256,7 +239,13 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) s->lights + 1, sizeof *t.light,
                          &t.light));
     GP_TRY(gp_alloc_zero(log, "sets", objects, 1, &t.set));
-    GP_TRY(find_all(&w));
+    GP_TRY(gp_sets_open(log, s, &w.view, 0, &sets));
+    for (int i = 0; i < s->objects; i++) {
+        if (gp_sets_flags(sets)[i] & GP_SET_F)
+            w.all = gp_box_join(w.all, s->object[i].box);
+    }
+    if (gp_box_empty(w.all))
+        w.all = (struct gp_box) {{0, 0, 0}, {0, 0, 0}};
     w.view.texel = texel_of(&w);
     GP_TRY(set_order(&w));
     GP_TRY(gp_drawing_open(log, gl, s, c, p, &w.d));
@@ -267,6 +256,7 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     *out = t;
     t = (struct gp_table) {0};
 out:
+    gp_sets_close(&sets);
     gp_drawing_close(&w.d);
     gp_table_free(&t);
     gp_free(other);
@@ -387,7 +377,7 @@ static struct gp_box find_extent(const struct gp_scene *s, struct gp_v3 eye)
 /* Returns a coordinate of the map as a pixel, at most one outside. */
 static int pixel_of(double at, int size)
 {
-    return (int) floor(fmin(fmax(at, -1.0), (double) size));
+    return gp_clamp_whole(floor(at), -1, size);
 }
 
 void gp_sets_draw_map(const struct gp_table *t, const struct gp_scene *s,
