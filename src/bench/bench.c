@@ -15,7 +15,6 @@ static const double ROW_MS = 15e3;  // no further run is started after this
 enum { MANY = 20000 };              // sources from which direct is thinned
 static const double PAIRS = 6e7;    // most by true angles; one takes 0.1 us
 
-/* One technique on the frame. */
 struct trial {
     struct gp_bench *b;
     struct glarepp_plan *plan;
@@ -198,7 +197,6 @@ static gp_status run_first(struct trial *t, const char *engine,
     return st;
 }
 
-/* Tests whether a trial has a run to come. */
 static bool has_turn(const struct trial *t)
 {
     return !t->st && !t->same && isnan(t->row->share) &&
@@ -248,7 +246,6 @@ out:
     return st;
 }
 
-/* Measures a technique's layer against the sum in double. */
 static gp_status measure_error(const struct gp_bench *b,
                                struct glarepp_frame *frame,
                                struct gp_bench_row *row)
@@ -282,7 +279,6 @@ out:
     return st;
 }
 
-/* Makes a technique's plan, runs it once, and measures its error. */
 static void begin_trial(struct gp_bench *b,
                         const struct gp_bench_technique *technique,
                         struct trial *t)
@@ -414,7 +410,6 @@ out:
     return st;
 }
 
-/* Measures all techniques on a frame into *out, in their order. */
 static gp_status measure_frame(struct gp_bench *b, struct gp_bench_frame *out)
 {
     const struct glarepp_plan_params *const plan = b->req->plan;
@@ -465,7 +460,6 @@ out:
     return st;
 }
 
-/* Makes the kernel given, else the paper's own. */
 static gp_status make_kernel(struct gp_bench *b)
 {
     struct glarepp_kernel_params p = *b->req->kernel;

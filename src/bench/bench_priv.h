@@ -190,11 +190,11 @@ json_t *gp_bench_number(double v);
 json_t *gp_bench_ms(double ms);
 
 /* Writes the files of `p` but its plot: `all`, whose reference it takes, as JSON, and
- * the "rows" of its "frames", or its own, as CSV (RFC 4180): of each a row's values
- * of `columns` (NULL ends), or its frame's. */
+ * the "rows" of its "frames", or its own, as CSV (RFC 4180): of each `columns`, names
+ * with commas between, a row's value, or its frame's. */
 GP_MUST_CHECK gp_status gp_bench_save(const struct gp_log *log,
                                       const struct gp_bench_params *p,
-                                      json_t *all, const char *const *columns);
+                                      json_t *all, const char *columns);
 
 /* Makes an object of a frame and its rows, as in the JSON of the table. */
 json_t *gp_bench_json_frame(const struct gp_bench_frame *f);

@@ -59,7 +59,6 @@ static const struct extra {
 };
 enum { EXTRAS = sizeof extras / sizeof *extras };
 
-/* Makes the plan of an extra layer, or of its truth. */
 static gp_status plan_extra(const struct gp_bench *b, const struct extra *e,
                             bool exact, struct glarepp_plan **out)
 {

@@ -68,12 +68,12 @@ static gp_status begin_row(const struct bench *b, const struct gp_log *log,
     gp_status st;
     p.lights = &r->p;
     p.lens = NULL;
-    GP_TRY((gp_status) glarepp_plan(b->req->gp, &p, plan));
+    GP_TRY(glarepp_plan(b->req->gp, &p, plan));
     f.in_place = true;
     f.user = (void *) (uintptr_t) log;
-    GP_TRY((gp_status) glarepp_frame(*plan, &f, frame));
-    GP_TRY((gp_status) glarepp_frame_run(*frame, GLAREPP_POSE));
-    GP_TRY((gp_status) glarepp_frame_run(*frame, GLAREPP_PLACE));
+    GP_TRY(glarepp_frame(*plan, &f, frame));
+    GP_TRY(glarepp_frame_run(*frame, GLAREPP_POSE));
+    GP_TRY(glarepp_frame_run(*frame, GLAREPP_PLACE));
     if (glarepp_frame_facts(*frame)->lights)
         GP_TRY(b->req->planes(b->req->user, log, &b->frame, *frame));
 out:
@@ -90,7 +90,7 @@ static gp_status measure_row(struct bench *b, struct row *r)
     b->times.n = 0;
     for (int run = 0; run <= b->req->params->runs; run++) {
         const double start = gp_now_ms();
-        GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_SHARES));
+        GP_TRY(glarepp_frame_run(frame, GLAREPP_SHARES));
         if (run)
             gp_bench_time(&b->times, gp_now_ms() - start);
         else
@@ -163,10 +163,8 @@ static json_t *row_json(const struct row *r)
 
 static gp_status save_files(const struct bench *b)
 {
-    static const char *const columns[] = {
-        "method",     "ms",         "ms_min",      "ms_max", "ms_first",
-        "visibility", "error_mean", "error_worst", NULL,
-    };
+    static const char columns[] = "method,ms,ms_min,ms_max,ms_first,visibility,"
+                                  "error_mean,error_worst";
     json_t *const rows = json_array();
     for (int i = 0; i < ROWS; i++)
         json_array_append_new(rows, row_json(&b->row[i]));
@@ -178,7 +176,6 @@ static gp_status save_files(const struct bench *b)
                          columns);
 }
 
-/* Finds the lights of the frame. */
 static gp_status find_lights(struct bench *b)
 {
     struct glarepp_plan *plan = NULL;
@@ -188,7 +185,7 @@ static gp_status find_lights(struct bench *b)
     b->lights = glarepp_frame_facts(frame)->lights;
     if (!b->lights)
         goto out;
-    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_SHARES));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_SHARES));
     b->light = glarepp_frame_facts(frame)->light[0];
 out:
     glarepp_frame_end(&frame);

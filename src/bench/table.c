@@ -47,22 +47,22 @@ void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
                  t->group, t->cluster, (double) t->shrink, by);
 }
 
+static const struct gp_bench_row unknown = {.took = {NAN, NAN, NAN, NAN, 0},
+                                            .share = NAN,
+                                            .polygons = NAN,
+                                            .polygon_pixels = NAN,
+                                            .bound = NAN,
+                                            .error = {NAN, NAN, NAN},
+                                            .max_abs = NAN};
+
 struct gp_bench_row *gp_bench_row_add(const struct gp_bench *b,
                                       const char *name, const char *layer,
                                       struct gp_bench_frame *out)
 {
     struct gp_bench_row *const row = &out->row[out->rows++];
-    *row = (struct gp_bench_row) {
-        .name = name,
-        .layer = layer,
-        .took = {NAN, NAN, NAN, NAN, 0},
-        .share = NAN,
-        .polygons = NAN,
-        .polygon_pixels = NAN,
-        .bound = NAN,
-        .error = {NAN, NAN, NAN},
-        .max_abs = NAN,
-    };
+    *row = unknown;
+    row->name = name;
+    row->layer = layer;
     if (!b->sense.sources)
         strcpy(row->why, "no pixel is over the threshold");
     return row;
@@ -136,7 +136,6 @@ static void print_cell(int width, const char *format, double v)
     printf(" %*s", width, text);
 }
 
-/* The fastest row within each limit, by each measure. */
 static void print_choices(const struct gp_bench_frame *f)
 {
     printf("  %-26s %9s  %8s %8s\n", "fastest within", "ms", "error", "bound");
@@ -158,7 +157,6 @@ static void print_choices(const struct gp_bench_frame *f)
     }
 }
 
-/* The whole run, by output. */
 static void print_whole(const struct gp_bench_whole *w)
 {
     const double before = fmax(w->read.ms, 0.0) + w->glare.ms + w->tone.ms;
@@ -185,7 +183,6 @@ static void print_whole(const struct gp_bench_whole *w)
     }
 }
 
-/* The table and its legend. */
 static void print_table(const struct gp_bench_table *t)
 {
     enum { WHY = 88 }; // of a line; the files have all of it
@@ -311,7 +308,7 @@ static void print_csv_value(FILE *to, const json_t *v)
 }
 
 static gp_status save_csv(const struct gp_log *log, const char *path,
-                          json_t *all, const char *const *columns)
+                          json_t *all, const char *columns)
 {
     json_t *const frames = json_object_get(all, "frames");
     const size_t n = frames ? json_array_size(frames) : 1;
@@ -322,17 +319,21 @@ static gp_status save_csv(const struct gp_log *log, const char *path,
     free(whole);
     if (!to)
         return gp_no_memory(log, path);
-    for (int c = 0; columns[c]; c++)
-        fprintf(to, "%s%s", columns[c], columns[c + 1] ? "," : "\r\n");
+    fprintf(to, "%s\r\n", columns);
     for (size_t i = 0; i < n; i++) {
         json_t *const frame = frames ? json_array_get(frames, i) : all, *row;
         size_t k;
         json_array_foreach(json_object_get(frame, "rows"), k, row)
         {
-            for (int c = 0; columns[c]; c++) {
-                const json_t *const v = json_object_get(row, columns[c]);
-                print_csv_value(to, v ? v : json_object_get(frame, columns[c]));
-                fputs(columns[c + 1] ? "," : "\r\n", to);
+            for (const char *c = columns; *c;) {
+                const int length = (int) strcspn(c, ",");
+                char name[32];
+                snprintf(name, sizeof name, "%.*s", length, c);
+                const json_t *const v = json_object_get(row, name);
+                print_csv_value(to, v ? v : json_object_get(frame, name));
+                c += length;
+                fputs(*c ? "," : "\r\n", to);
+                c += *c == ',';
             }
         }
     }
@@ -341,7 +342,7 @@ static gp_status save_csv(const struct gp_log *log, const char *path,
 
 gp_status gp_bench_save(const struct gp_log *log,
                         const struct gp_bench_params *p, json_t *all,
-                        const char *const *columns)
+                        const char *columns)
 {
     gp_status st = p->csv ? save_csv(log, p->csv, all, columns) : GP_OK;
     if (!st && p->json)
@@ -395,13 +396,11 @@ static json_t *row_json(const struct gp_bench_frame *f,
 /* The choices: one object a limit and measure, without a name where there is none. */
 static json_t *choices_json(const struct gp_bench_frame *f)
 {
-    static const struct gp_bench_row none = {
-        .took.ms = NAN, .bound = NAN, .error = {NAN, NAN, NAN}};
     json_t *const all = json_array();
     for (int i = 0; i < GP_BENCH_BY * GP_BENCH_WITHIN; i++) {
         const int by = i / GP_BENCH_WITHIN, k = i % GP_BENCH_WITHIN;
         const int at = f->choice[by][k];
-        const struct gp_bench_row *const r = at < 0 ? &none : &f->row[at];
+        const struct gp_bench_row *const r = at < 0 ? &unknown : &f->row[at];
         json_array_append_new(
             all, json_pack("{ss sf ss* ss* so* so* so*}", "by", gp_bench_by[by],
                            "within", gp_bench_within[k], "name", r->name,
@@ -459,34 +458,10 @@ static gp_status save_files(const struct gp_log *log,
                             const struct gp_bench_params *p,
                             const struct gp_bench_table *t)
 {
-    static const char *const columns[] = {
-        "input",
-        "name",
-        "options",
-        "ms",
-        "ms_min",
-        "ms_max",
-        "ms_first",
-        "frames_per_second",
-        "runs",
-        "extrapolated",
-        "share",
-        "rel_l2",
-        "max_rel",
-        "max_abs",
-        "flip",
-        "bound",
-        "kernel_left_out",
-        "polygons",
-        "polygon_pixels",
-        "pareto",
-        "engine",
-        "form",
-        "same_as",
-        "gl",
-        "why",
-        NULL,
-    };
+    static const char columns[] =
+        "input,name,options,ms,ms_min,ms_max,ms_first,frames_per_second,runs,"
+        "extrapolated,share,rel_l2,max_rel,max_abs,flip,bound,kernel_left_out,"
+        "polygons,polygon_pixels,pareto,engine,form,same_as,gl,why";
     json_t *const frames = json_array();
     for (int i = 0; i < t->frames; i++)
         json_array_append_new(frames, gp_bench_json_frame(&t->frame[i]));
@@ -581,7 +556,6 @@ static int find_points(const struct gp_bench_frame *f, struct axis axis[2],
     return n;
 }
 
-/* Draws the decades of both axes. */
 static void write_grid(const struct axis axis[2], FILE *to)
 {
     const struct axis *const x = &axis[0], *const y = &axis[1];

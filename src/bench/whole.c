@@ -71,8 +71,8 @@ static gp_status write_once(const struct whole *w, struct gp_bench_output *o,
     p.no_clobber = false;
     p.compression = o->compression;
     p.png_level = o->png_level;
-    GP_TRY((gp_status) glarepp_frame_view(
-        w->frame, exr ? GLAREPP_LIT : GLAREPP_SHOWN, 0, &view));
+    GP_TRY(glarepp_frame_view(w->frame, exr ? GLAREPP_LIT : GLAREPP_SHOWN, 0,
+                              &view));
     for (int c = 0; c < 3; c++)
         planes.c[c] = view.plane[c]; // borrowed
     snprintf(path, sizeof path, "%s/o.%s", w->folder, exr ? "exr" : "png");
@@ -92,7 +92,6 @@ out:
     return st;
 }
 
-/* Runs three steps; *ms is what they took. */
 static gp_status run_steps(const struct whole *w, const enum glarepp_step *step,
                            double *ms)
 {
@@ -129,7 +128,7 @@ static gp_status run_round(struct whole *w, struct glarepp_plan *plan,
     gp_status st;
     double ms[3], took;
     GP_TRY(read_once(w, &ms[0]));
-    GP_TRY((gp_status) glarepp_frame(plan, &w->b->params, &w->frame));
+    GP_TRY(glarepp_frame(plan, &w->b->params, &w->frame));
     GP_TRY(run_steps(w, glare, &ms[1]));
     GP_TRY(run_steps(w, tone, &ms[2]));
     for (int i = 0; i < 3 && round > 0; i++)
@@ -193,7 +192,7 @@ gp_status gp_bench_whole_run(const struct gp_bench *b,
         GP_TRY(gp_fail(b->log, GP_ERR_IO,
                        "%s: cannot make a folder for outputs (%s); set TMPDIR",
                        w.folder, strerror(errno)));
-    GP_TRY((gp_status) glarepp_plan(b->req->gp, &p, &plan));
+    GP_TRY(glarepp_plan(b->req->gp, &p, &plan));
     for (int i = 0; i <= b->req->params->runs; i++)
         GP_TRY(run_round(&w, plan, i));
     gp_bench_spread(&w.steps[0], &out->read);

@@ -111,7 +111,6 @@ static int64_t samples_at(const struct glarepp_stored *image, int64_t at,
     return image->first[at + 1] - image->first[at];
 }
 
-/* The value of a channel, by its number. */
 static double value_at(const struct glarepp_stored *image, int channel,
                        int64_t at)
 {

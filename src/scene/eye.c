@@ -103,7 +103,6 @@ static double along_view(const struct samples *m, struct gp_v3 along)
     return gp_v3_dot(along, (struct gp_v3) {c[3], c[7], c[11]});
 }
 
-/* Sets the disc of samples that are zero. */
 static void set_disc(struct samples *m, const struct gp_eye_disc *d,
                      const struct gp_eye_window *window)
 {

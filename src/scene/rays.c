@@ -131,7 +131,6 @@ static void split_range(const struct gp_box *box, struct gp_tree *t,
     out[1] = (struct range) {r.first + below, r.count - below, r.level + 1};
 }
 
-/* Returns a float below a number. */
 static float below(double v)
 {
     return nextafterf((float) v, -INFINITY);
@@ -283,7 +282,6 @@ static inline double walk_tree(const struct gp_tree *t, struct gp_v3 from,
 
 // -- meshes ------------------------------------------------------------------
 
-/* Copies the triangles of a submesh, and finds their boxes. */
 static void list_triangles(const struct gp_scene *s,
                            const struct gp_submesh *p, struct triangle *out,
                            struct gp_box *box)

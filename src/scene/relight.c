@@ -257,7 +257,6 @@ static void find_second(const struct relit *w, struct pixel *p)
     }
 }
 
-/* Finds the surfaces that a pixel shows, and their shares. */
 static void find_surfaces(const struct relit *w, struct pixel *p)
 {
     double length;
@@ -309,7 +308,6 @@ static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
 
 // -- a light's pass -----------------------------------------------------------
 
-/* Returns the way from the eye to a place of a pixel. */
 static struct gp_v3 way_to_place(const struct relit *w, int x, int y, int i)
 {
     return way_to(w, x + 0.5 + w->place[i][0], y + 0.5 + w->place[i][1]);
@@ -428,7 +426,6 @@ static void shade_row(void *ctx, int i, int thread)
     }
 }
 
-/* Finds the frame's colours of materials. */
 static gp_status find_colours(const struct gp_log *log, struct relit *w)
 {
     enum { SIDE = 256 }; // shades, of the longer side
@@ -448,7 +445,6 @@ out:
     return st;
 }
 
-/* Adds the light of the surfaces at a pixel's places. */
 static void light_places(const struct lamp *lamp,
                          const struct surface of[GP_PLACES],
                          const double weight[GP_PLACES], double add[3],
@@ -506,7 +502,6 @@ static int marks_around(const struct lamp *lamp, int x, int y)
     return marks;
 }
 
-/* Adds the light of the surfaces of a pixel. */
 static void light_surfaces(const struct lamp *lamp, const struct pixel *p,
                            int next, double add[3], struct glarepp_relit *facts)
 {
@@ -524,7 +519,6 @@ static void light_surfaces(const struct lamp *lamp, const struct pixel *p,
     }
 }
 
-/* Adds a light to a pixel. */
 static void light_pixel(const struct lamp *lamp, struct pixel *p)
 {
     const struct relit *const w = lamp->of;

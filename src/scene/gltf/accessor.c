@@ -113,7 +113,6 @@ out:
     return st;
 }
 
-/* Returns a number as stored. */
 static double stored_number(const uint8_t *p, int type)
 {
     if (type == F32)

@@ -141,7 +141,6 @@ static void turn_between(const float *a, const float *b, double t, double *out)
         out[c] = wa * (double) a[c] + sign * wb * (double) b[c];
 }
 
-/* Writes the value of keys at a time. */
 static void value_at(const struct gp_keys *k, double seconds, double *out)
 {
     const int components = components_of[k->path];

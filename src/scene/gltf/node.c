@@ -42,7 +42,6 @@ out:
     return st;
 }
 
-/* True for the number of a node. */
 static bool is_node(const struct gp_scene_nodes *s, const json_t *item)
 {
     const double d = json_number_value(item);
@@ -163,7 +162,6 @@ out:
     return st;
 }
 
-/* Returns the lights of KHR_lights_punctual. */
 static json_t *lights_of(const struct gp_gltf *g)
 {
     return json_object_get(gp_gltf_extension(g->root, "KHR_lights_punctual"),
@@ -239,7 +237,6 @@ out:
 
 // -- what is placed -----------------------------------------------------------
 
-/* Adds what a node places. */
 static gp_status place_node(struct gp_gltf *g, int index, struct gp_scene *out)
 {
     const int defined = (int) json_array_size(lights_of(g));

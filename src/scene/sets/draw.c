@@ -352,7 +352,6 @@ static void add_floats(struct inputs *in, const char *name, int n,
     in->u[in->n++] = u;
 }
 
-/* Adds a material's texture of alpha. */
 static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
                       struct inputs *in)
 {
@@ -436,7 +435,6 @@ out:
     return st;
 }
 
-/* Draws one run of an object into a map. */
 static gp_status draw_shadow(struct gp_drawing *d, const struct map *map,
     const struct gp_object *o, int faces, struct run run,
     const struct gp_material *of)

@@ -29,7 +29,6 @@ struct rows {
     struct gp_table *out;
 };
 
-/* An object and how large it looks. */
 struct look {
     double size;
     int object;
@@ -159,7 +158,6 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
     return gp_drawing_light(w->d, &l);
 }
 
-/* Draws the picture of a row once. */
 static gp_status draw_row(struct rows *w, int kind,
                           struct glarepp_sets_row *row)
 {

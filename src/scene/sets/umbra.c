@@ -90,7 +90,6 @@ static bool add_edge(struct body *b, int from, int to, int face)
     return true;
 }
 
-/* Adds a triangle of three points. */
 static bool add_face(struct body *b, const int p[3])
 {
     if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0])
