@@ -317,7 +317,6 @@ static gp_status end_trial(struct trial *t)
     const struct gp_log *const log = t->b->log;
     const gp_status st = t->st;
     end_runs(t);
-    row->facts.gl = row->gl;
     if (!st)
         row->why[0] = '\0'; // written for a context that another replaced
     else

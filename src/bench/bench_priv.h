@@ -89,8 +89,8 @@ struct gp_bench_row {
     struct gp_bench_took took;
     double share; // of the sources, of which it is extrapolated
 
-    struct glarepp_layer_facts facts; // its gl is `gl`
-    char gl[128];              // renderer; "": no GL
+    struct glarepp_layer_facts facts;
+    char gl[128]; // facts.gl, which goes with its context, or ""
     double polygons, polygon_pixels; // of facts, extrapolated too
     double bound;                    // INFINITY: no guarantee
     double error[GP_BENCH_BY];       // never when extrapolated

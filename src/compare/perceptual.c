@@ -21,6 +21,7 @@ enum { MARGIN = REACH * (LEVELS - 1), SIDE = TILE + 2 * MARGIN };
 struct tile {
     float level[2][LEVELS][SIDE][SIDE]; // of a and b, cd/m2
     float rows[SIDE][SIDE];             // a level blurred along x
+    long long seen;                     // pixels, in all of a thread's tiles
 };
 
 static const double DISPLAY_WHITE = 100.0; // cd/m2
@@ -30,7 +31,6 @@ struct view {
     int w, h;
     const struct gp_planes *image[2];
     struct tile *tile;        // of each thread
-    long long *seen;          // of each tile
     double frequency[BANDS];  // cycles a degree
     double sharpness[BANDS];  // of the eye there, to that at its best
     int adaptation;           // level that is a degree wide
@@ -183,14 +183,14 @@ static void count_tile(void *ctx, int index, int thread)
                 }
             }
             if (nan[0] || nan[1] || memcmp(rgb[0], rgb[1], sizeof *rgb) == 0) {
-                v->seen[index] += nan[0] != nan[1];
+                t->seen += nan[0] != nan[1];
                 continue;
             }
             if (!levels)
                 make_levels(v, x0, y0, t);
             levels = true;
-            v->seen[index] += is_seen(v, t, x - x0 + MARGIN, y - y0 + MARGIN,
-                                      rgb[0], rgb[1]);
+            t->seen +=
+                is_seen(v, t, x - x0 + MARGIN, y - y0 + MARGIN, rgb[0], rgb[1]);
         }
     }
 }
@@ -203,14 +203,13 @@ gp_status gp_compare_see(const struct gp_log *log,
         .w = gp_rect_w(m->window), .h = gp_rect_h(m->window),
         .image = {&a, &b},
     };
+    const int threads = gp_threads();
     const int tiles = ((v.w + TILE - 1) / TILE) * ((v.h + TILE - 1) / TILE);
     gp_status st;
     GP_TRY(gp_compare_light(log, m, m->a, true, &a));
     GP_TRY(gp_compare_light(log, m, m->b, true, &b));
-    GP_TRY(gp_alloc(log, "tiles", (size_t) gp_threads(), sizeof *v.tile,
-                    &v.tile));
-    GP_TRY(gp_alloc_zero(log, "tiles", (size_t) tiles, sizeof *v.seen,
-                         &v.seen));
+    GP_TRY(
+        gp_alloc_zero(log, "tiles", (size_t) threads, sizeof *v.tile, &v.tile));
     // pixels of a display, one unit away, that is as wide as the field
     const double degrees = 2.0 * tan(0.5 * FIELD * M_PI / 180.0) * 180.0 / M_PI;
     for (int n = 0; n < BANDS; n++) {
@@ -222,10 +221,9 @@ gp_status gp_compare_see(const struct gp_log *log,
         v.adaptation++;
     gp_parallel_do(tiles, count_tile, &v);
     *seen = 0;
-    for (int i = 0; i < tiles; i++)
-        *seen += v.seen[i];
+    for (int i = 0; i < threads; i++)
+        *seen += v.tile[i].seen;
 out:
-    gp_free(v.seen);
     gp_free(v.tile);
     gp_planes_free(&a);
     gp_planes_free(&b);
