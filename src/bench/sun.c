@@ -80,13 +80,15 @@ out:
     return st;
 }
 
+/* Measures a row; the first finds the lights, and its errors are those of all. */
 static gp_status measure_row(struct bench *b, struct row *r)
 {
-    const struct gp_log log = {gp_bench_keep_why, r->why, GP_LEVEL_ERROR};
+    const bool first = r == b->row;
+    const struct gp_log keep = {gp_bench_keep_why, r->why, GP_LEVEL_ERROR};
     struct glarepp_plan *plan = NULL;
     struct glarepp_frame *frame = NULL;
     gp_status st;
-    GP_TRY(begin_row(b, &log, r, &plan, &frame));
+    GP_TRY(begin_row(b, first ? b->log : &keep, r, &plan, &frame));
     b->times.n = 0;
     for (int run = 0; run <= b->req->params->runs; run++) {
         const double start = gp_now_ms();
@@ -98,10 +100,17 @@ static gp_status measure_row(struct bench *b, struct row *r)
     }
     gp_bench_spread(&b->times, &r->took);
     const struct glarepp_facts *const facts = glarepp_frame_facts(frame);
-    r->visibility = facts->lights ? facts->light[0].visibility : 0.0;
+    b->lights = facts->lights;
+    if (!b->lights)
+        goto out;
+    b->light = facts->light[0];
+    r->visibility = b->light.visibility;
+    if (first)
+        GP_TRY(gp_alloc(b->log, "lights", (size_t) b->lights, sizeof *b->exact,
+                        &b->exact));
     for (int i = 0; i < b->lights; i++) {
         const double v = facts->light[i].visibility;
-        if (r->p.method == GLAREPP_EXACT)
+        if (first)
             b->exact[i] = v;
         const double off = fabs(v - b->exact[i]);
         r->mean += off / b->lights;
@@ -176,23 +185,6 @@ static gp_status save_files(const struct bench *b)
                          columns);
 }
 
-static gp_status find_lights(struct bench *b)
-{
-    struct glarepp_plan *plan = NULL;
-    struct glarepp_frame *frame = NULL;
-    gp_status st;
-    GP_TRY(begin_row(b, b->log, &b->row[0], &plan, &frame));
-    b->lights = glarepp_frame_facts(frame)->lights;
-    if (!b->lights)
-        goto out;
-    GP_TRY(glarepp_frame_run(frame, GLAREPP_SHARES));
-    b->light = glarepp_frame_facts(frame)->light[0];
-out:
-    glarepp_frame_end(&frame);
-    glarepp_plan_end(&plan);
-    return st;
-}
-
 gp_status gp_bench_sun(const struct gp_log *log,
                        const struct gp_bench_request *req, bool *lit)
 {
@@ -202,7 +194,7 @@ gp_status gp_bench_sun(const struct gp_log *log,
     struct bench b = {.log = log, .req = req};
     GP_TRY(gp_read_frame(log, req->read, req->input, &b.frame));
     make_rows(&b);
-    GP_TRY(find_lights(&b));
+    GP_TRY(measure_row(&b, &b.row[0]));
     // a camera without suns only says how large angles are
     *lit = b.lights || lights->needed || lights->lights || lights->file;
     if (!*lit)
@@ -215,9 +207,7 @@ gp_status gp_bench_sun(const struct gp_log *log,
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                "%s: no lights; add one, or give --sun",
                lights->file ? lights->file : lights->cameras));
-    GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.lights + 1, sizeof *b.exact,
-                         &b.exact));
-    for (int i = 0; i < ROWS; i++)
+    for (int i = 1; i < ROWS; i++)
         GP_TRY(measure_row(&b, &b.row[i]));
     if (p->csv || p->json)
         GP_TRY(save_files(&b));

@@ -488,17 +488,10 @@ gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
 
 // -- the plot -----------------------------------------------------------------
 
-/* SVG pixels of a panel, and the plot inside it. */
-enum {
-    WIDTH = 900,
-    HEIGHT = 640,
-    LEFT = 90,
-    RIGHT = 250,
-    TOP = 40,
-    BOTTOM = 140,
-    LINE = 16,    // of a label
-    CHOICE = 280, // width of a column of choices, under the axis
-};
+/* SVG pixels of a panel, the plot inside it, a line of labels, and a column of
+ * choices under the axis. */
+enum { WIDTH = 900, HEIGHT = 640, LEFT = 90, RIGHT = 250, TOP = 40 };
+enum { BOTTOM = 140, LINE = 16, CHOICE = 280 };
 static const double LEAST = 1e-10; // an error of 0 is drawn as this
 
 struct point {

@@ -389,17 +389,12 @@ void gp_scene_free(struct gp_scene *s)
         gp_free(s->nodes->order);
         gp_free(s->nodes->key);
     }
-    gp_free(s->nodes);
-    gp_free(s->position);
-    gp_free(s->uv);
-    gp_free(s->index);
-    gp_free(s->submesh);
-    gp_free(s->mesh);
-    gp_free(s->material);
-    gp_free(s->cutout);
-    gp_free(s->object);
-    gp_free(s->light);
-    gp_free(s->camera);
+    void *const block[] = {
+        s->nodes,    s->position, s->uv,     s->index, s->submesh, s->mesh,
+        s->material, s->cutout,   s->object, s->light, s->camera,
+    };
+    for (size_t i = 0; i < sizeof block / sizeof *block; i++)
+        gp_free(block[i]);
     free((char *) (uintptr_t) s->path);
     *s = (struct gp_scene) {0};
 }

@@ -30,6 +30,7 @@ struct gp_drawing {
     struct gp_texture *cutout; // alpha, of each of the scene's
     struct gp_program program[PROGRAMS];
     struct gp_target picture;
+    struct gp_rect all;        // of its pixels
     struct gp_target maps[2];  // square and atlas; made when first used
     double to_clip[16];        // of the picture
     struct gp_v3 eye;
@@ -276,7 +277,13 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     if (st)
         return st;
     *d = (struct gp_drawing) {
-        .log = log, .gl = gl, .s = s, .c = c, .p = *p, .whole = GP_BOX_EMPTY,
+        .log = log,
+        .gl = gl,
+        .s = s,
+        .c = c,
+        .p = *p,
+        .whole = GP_BOX_EMPTY,
+        .all = {0, 0, p->w, p->h},
     };
     for (int i = 0; i < s->objects; i++)
         d->whole = gp_box_join(d->whole, s->object[i].box);
@@ -424,7 +431,7 @@ gp_status gp_drawing_ambient(struct gp_drawing *d, const int *object, int n)
             const struct gp_draw draw = {
                 .program = &d->program[AMBIENT + holes],
                 .target = &d->picture,
-                .cut = {0, 0, d->p.w, d->p.h},
+                .cut = d->all,
                 .depth = GP_DEPTH_WRITE,
             };
             GP_TRY(draw_run(d, d->submesh[k], &in, draw));
@@ -603,18 +610,15 @@ gp_status gp_drawing_light(struct gp_drawing *d, const struct gp_draw_light *l)
 
 void gp_drawing_clear(struct gp_drawing *d, struct glarepp_sets_row *counts)
 {
-    gp_target_clear(d->gl, &d->picture,
-                    (struct gp_rect) {0, 0, d->p.w, d->p.h});
+    gp_target_clear(d->gl, &d->picture, d->all);
     d->counts = counts;
 }
 
 void gp_drawing_depth(struct gp_drawing *d, float *z)
 {
-    const size_t n = (size_t) d->p.w * (size_t) d->p.h;
     const float near = (float) d->p.near;
-    gp_target_read_depth(d->gl, &d->picture,
-                         (struct gp_rect) {0, 0, d->p.w, d->p.h}, z);
-    for (size_t i = 0; i < n; i++)
+    gp_target_read_depth(d->gl, &d->picture, d->all, z);
+    for (size_t i = 0; i < gp_rect_pixels(d->all); i++)
         z[i] = z[i] > 0.0f ? near / z[i] : INFINITY;
 }
 
@@ -626,6 +630,5 @@ void gp_drawing_wait(struct gp_drawing *d)
 
 void gp_drawing_picture(struct gp_drawing *d, float *rgba)
 {
-    gp_target_read(d->gl, &d->picture, 0,
-                   (struct gp_rect) {0, 0, d->p.w, d->p.h}, rgba);
+    gp_target_read(d->gl, &d->picture, 0, d->all, rgba);
 }
