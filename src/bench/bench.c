@@ -2,12 +2,10 @@
 #include "bench/bench_priv.h"
 
 #include "core/clock.h"
-#include "core/memory.h"
 #include "io/file.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double LONG_MS = 6e3;  // a run over this is extrapolated
@@ -484,20 +482,19 @@ static gp_status check_outputs(const struct gp_log *log,
 {
     const char *const files[] = {p->csv, p->json, p->plot, p->page};
     char ending[8] = "svg";
+    gp_status st = GP_OK;
     if (p->plot && !gp_is_dash(p->plot))
         gp_file_ending(p->plot, ending, sizeof ending);
-    for (int i = 0; i < 4; i++) {
-        const gp_status st = files[i] && !gp_is_dash(files[i])
-                                 ? gp_file_check(log, files[i], false) : GP_OK;
-        if (st)
-            return st;
+    for (int i = 0; i < 4 && !st; i++) {
+        if (files[i] && !gp_is_dash(files[i]))
+            st = gp_file_check(log, files[i], false);
     }
-    return strcmp(ending, "svg") == 0
-               ? GP_OK
-               : gp_fail(log, GP_ERR_USAGE,
-                         "%s: the plot is an SVG; give a name "
-                         "that ends in .svg",
-                         p->plot);
+    if (!st && strcmp(ending, "svg") != 0)
+        st = gp_fail(log, GP_ERR_USAGE,
+                     "%s: the plot is an SVG; give a name "
+                     "that ends in .svg",
+                     p->plot);
+    return st;
 }
 
 gp_status gp_bench_run(const struct gp_log *log,

@@ -3,7 +3,6 @@
  * as a picture of speed against error. */
 #include "bench/bench_priv.h"
 #include "core/json.h"
-#include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
 

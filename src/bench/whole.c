@@ -3,7 +3,6 @@
 #include "bench/bench_priv.h"
 
 #include "core/clock.h"
-#include "core/memory.h"
 
 #include <errno.h>
 #include <math.h>

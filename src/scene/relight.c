@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/relight.h"
+#include "scene/relight_priv.h"
 
 #include "core/depth.h"
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "scene/relight_priv.h"
-#include "scene/rays.h"
 
 #include <math.h>
-#include <string.h>
 
 /* A surface that a pixel shows, and the ray to it. */
 struct surface {

@@ -131,7 +131,8 @@ struct gp_mesh {
     struct gp_box box;
 };
 
-/* A mesh in its place: what the sets hold, the paper's object. */
+/* A mesh of at least one triangle in its place: what the sets hold, the paper's
+ * object. */
 struct gp_object {
     int mesh, node;
     double to_world[16];   // posed

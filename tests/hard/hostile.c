@@ -132,11 +132,6 @@ static void take_lights_away(struct seen *k)
     k->s.lights = 0;
 }
 
-static void empty_a_mesh(struct seen *k)
-{
-    made_put_empty(&k->s);
-}
-
 /* All of it 1e6 away from the origin. */
 static void go_far(struct seen *k)
 {
@@ -170,7 +165,6 @@ static const struct hard_made {
     {"3000 lights off screen", add_lights_off_screen},
     {"no objects", take_objects_away},
     {"no lights", take_lights_away},
-    {"an object without triangles", empty_a_mesh},
     {"1e6 away from the origin", go_far},
 };
 enum { CASES = sizeof cases / sizeof *cases };

@@ -317,20 +317,6 @@ static inline int made_put_along(struct gp_scene *s, int mesh, struct gp_v3 at,
     return made_place(s, mesh, m);
 }
 
-/* An object without triangles, as meshes of points and lines leave. */
-static inline int made_put_empty(struct gp_scene *s)
-{
-    MADE_GROW(s->mesh, s->meshes);
-    MADE_GROW(s->object, s->objects);
-    const struct gp_box none = {{INFINITY, INFINITY, INFINITY},
-                                {-INFINITY, -INFINITY, -INFINITY}};
-    s->mesh[s->meshes] = (struct gp_mesh) {.box = none};
-    s->object[s->objects] = (struct gp_object) {
-        .mesh = s->meshes++, .node = s->objects, .box = none,
-        .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
-    return s->objects++;
-}
-
 /* Moves an object to `at`, `size` times as large. */
 static inline void made_move(struct gp_scene *s, int object, struct gp_v3 at,
                              double size)

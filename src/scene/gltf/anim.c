@@ -259,8 +259,7 @@ void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
             else
                 most = fmax(most, gp_v3_dot(d, d));
         }
-        if (!gp_box_empty(box))
-            c = gp_box_middle(&box);
+        c = gp_box_middle(&box);
     }
     o->box = box;
     o->radius = sqrt(most) * (1.0 + 1e-12); // rounding never leaves one out

@@ -187,7 +187,7 @@ GP_MUST_CHECK gp_status gp_gltf_animations(struct gp_gltf *g,
 /* Sets box and radius of an object from to_world and each vertex of its mesh
  * that a triangle uses; from the corners of the mesh's box where such vertices
  * times objects of the scene are over 2^20, as scenes are posed anew for every
- * frame. Without a vertex the box is empty. */
+ * frame. */
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o);
 
 #endif

@@ -396,9 +396,7 @@ static void flag_frame(struct gp_sets *s)
         struct gp_scissor *const box = &s->box[i];
         s->flag[i] = 0;
         *box = (struct gp_scissor) {0};
-        if (gp_box_empty(*of) || misses(&s->frustum,
-                                                  gp_box_middle(of),
-                                                  gp_box_half(of)))
+        if (misses(&s->frustum, gp_box_middle(of), gp_box_half(of)))
             continue;
         s->flag[i] = GP_SET_F;
         *box = box_project(&s->view, of);
@@ -535,7 +533,7 @@ struct gp_scissor gp_sets_light(struct gp_sets *s, int light)
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         s->flag[i] &= GP_SET_F | GP_SET_V;
-        if (!meets || gp_box_empty(o->box) || range_misses(&r, o))
+        if (!meets || range_misses(&r, o))
             continue;
         reached |= (s->flag[i] & GP_SET_V) != 0;
         s->flag[i] |= GP_SET_L;

@@ -242,8 +242,6 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
         if (gp_sets_flags(sets)[i] & GP_SET_F)
             w.all = gp_box_join(w.all, s->object[i].box);
     }
-    if (gp_box_empty(w.all))
-        w.all = (struct gp_box) {{0, 0, 0}, {0, 0, 0}};
     w.view.texel = texel_of(&w);
     GP_TRY(set_order(&w));
     GP_TRY(gp_drawing_open(log, gl, s, c, p, &w.d));
@@ -347,10 +345,8 @@ static const struct {
 static struct gp_box find_extent(const struct gp_scene *s, struct gp_v3 eye)
 {
     struct gp_box core = {eye, eye};
-    for (int i = 0; i < s->objects; i++) {
-        if (!gp_box_empty(s->object[i].box))
-            core = gp_box_with(core, gp_box_middle(&s->object[i].box));
-    }
+    for (int i = 0; i < s->objects; i++)
+        core = gp_box_with(core, gp_box_middle(&s->object[i].box));
     for (int i = 0; i < s->lights; i++) {
         if (s->light[i].kind != GP_LIGHT_DIRECTIONAL)
             core = gp_box_with(core, s->light[i].at);
@@ -397,8 +393,7 @@ void gp_sets_draw_map(const struct gp_table *t, const struct gp_scene *s,
     for (size_t k = 0; k < sizeof colours / sizeof *colours; k++) {
         for (int i = 0; i < s->objects; i++) {
             const struct gp_box *const b = &s->object[i].box;
-            if (gp_box_empty(*b) ||
-                (t->set[i] & colours[k].set) != colours[k].set)
+            if ((t->set[i] & colours[k].set) != colours[k].set)
                 continue;
             // a box that leaves the map ends at its edge
             draw_outline(

@@ -67,19 +67,4 @@ static void large_mesh(void **state)
     made_free(&s);
 }
 
-/* A mesh without triangles has an empty box. */
-static void mesh_of_nothing(void **state)
-{
-    struct gp_scene s = made_scene();
-    const int box = made_box(&s, 0);
-    const int at = made_put(&s, box, (struct gp_v3) {1, 2, 3},
-                            (struct gp_v3) {1, 1, 1}, 0.0);
-    const int part = s.mesh[box].first;
-    s.submesh[part].count = 0;
-    gp_bounds_set(&s, &s.object[at]);
-    assert_true(gp_box_empty(s.object[at].box));
-    assert_true(s.object[at].radius == 0.0);
-    made_free(&s);
-}
-
-SUITE_OF(bounds, NULL, NULL, vertices_of_objects, large_mesh, mesh_of_nothing)
+SUITE_OF(bounds, NULL, NULL, vertices_of_objects, large_mesh)
