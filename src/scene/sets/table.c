@@ -176,37 +176,33 @@ out:
     return st;
 }
 
-/* Draws a row to count and to compare it. */
-static gp_status count_row(struct rows *w, int kind, const float *first,
-                           float *picture)
+/* Draws all rows: once to count and to compare them, with room for a picture, then
+ * for their time. Each run begins with another row, so that what else the machine
+ * does falls on all of them. */
+static gp_status draw_rows(struct rows *w, float *other)
 {
-    struct glarepp_sets_row *const row = &w->out->row[kind];
-    const size_t bytes = 4 * sizeof *picture * (size_t) w->p->w *
-                         (size_t) w->p->h;
-    gp_count_begin(w->gl);
-    const gp_status st = draw_row(w, kind, row);
-    row->fragments = gp_count_end(w->gl);
-    gp_drawing_picture(w->d, picture);
-    row->same = !first || memcmp(first, picture, bytes) == 0;
-    row->ms = row->cpu_ms = INFINITY;
-    return st;
-}
-
-/* Draws all rows for their time. Each run begins with another row, so that what
- * else the machine does falls on all of them. */
-static gp_status time_rows(struct rows *w)
-{
+    const size_t bytes =
+        4 * sizeof *other * (size_t) w->p->w * (size_t) w->p->h;
     gp_status st = GP_OK;
-    for (int run = 0; run < w->p->runs; run++) {
-        for (int i = 0; i < GP_TABLE_ROWS && !st; i++) {
-            const int kind = (i + run) % GP_TABLE_ROWS;
-            struct glarepp_sets_row timed, *const row = &w->out->row[kind];
-            const double start = gp_now_ms(), cpu = gp_cpu_ms();
-            st = draw_row(w, kind, &timed);
+    for (int i = 0; i < GP_TABLE_ROWS * (1 + w->p->runs) && !st; i++) {
+        const int run = i / GP_TABLE_ROWS, kind = (i + run) % GP_TABLE_ROWS;
+        struct glarepp_sets_row drawn, *const row = &w->out->row[kind];
+        float *const picture = kind ? other : w->out->picture;
+        if (run == 0)
+            gp_count_begin(w->gl);
+        const double start = gp_now_ms(), cpu = gp_cpu_ms();
+        st = draw_row(w, kind, &drawn);
+        if (run > 0) {
             gp_drawing_wait(w->d);
             row->ms = fmin(row->ms, gp_now_ms() - start);
             row->cpu_ms = fmin(row->cpu_ms, gp_cpu_ms() - cpu);
+            continue;
         }
+        *row = drawn;
+        row->fragments = gp_count_end(w->gl);
+        gp_drawing_picture(w->d, picture);
+        row->same = memcmp(w->out->picture, picture, bytes) == 0;
+        row->ms = row->cpu_ms = INFINITY;
     }
     return st;
 }
@@ -245,9 +241,7 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     w.view.texel = texel_of(&w);
     GP_TRY(set_order(&w));
     GP_TRY(gp_drawing_open(log, gl, s, c, p, &w.d));
-    for (int i = 0; i < GP_TABLE_ROWS; i++)
-        GP_TRY(count_row(&w, i, i ? t.picture : NULL, i ? other : t.picture));
-    GP_TRY(time_rows(&w));
+    GP_TRY(draw_rows(&w, other));
     GP_TRY(gp_gl_check(log, gl, "drawing the scene"));
     *out = t;
     t = (struct gp_table) {0};
