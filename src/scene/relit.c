@@ -106,7 +106,7 @@ struct lighting {
     struct glarepp_relit *out;
     int lit;
     struct gp_relight_pass pass[GP_RELIGHT_PASSES]; // of the last of out[]
-    int *list;                    // of casters: s->objects for each pass; owned
+    int *list; // of casters, s->objects for each pass, then visible ones; owned
     int n;
 };
 
@@ -212,13 +212,10 @@ gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
         .surfaces = f->surfaces,
     };
     unsigned char *asked = NULL;
-    int *visible = NULL;
     gp_status st;
-    GP_TRY(gp_alloc(log, "objects", (size_t) s->objects + 1, sizeof *visible,
-                    &visible));
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) s->lights + 1, 1, &asked));
     GP_TRY(gp_alloc(log, "objects", (size_t) s->objects + 1,
-                    GP_RELIGHT_PASSES * sizeof *l.list, &l.list));
+                    (GP_RELIGHT_PASSES + 1) * sizeof *l.list, &l.list));
     GP_TRY(gp_alloc(log, "lights", (size_t) s->lights + 1, sizeof *l.out,
                     &l.out));
     GP_TRY(gp_relit_find(log, s, name, names, asked));
@@ -230,6 +227,7 @@ gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
         .window = z->window, .near = nearest(z), .depth = z->v,
     };
     GP_TRY(gp_sets_open(log, s, &view, GP_SETS_ALL | GP_SETS_DEPTHS, &l.sets));
+    int *const visible = l.list + GP_RELIGHT_PASSES * (size_t) s->objects;
     for (int i = 0; i < s->objects; i++) {
         visible[l.surfaces.objects] = i;
         l.surfaces.objects += (gp_sets_flags(l.sets)[i] & GP_SET_V) != 0;
@@ -247,7 +245,6 @@ gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
     l.out = NULL;
 out:
     gp_sets_close(&l.sets);
-    gp_free(visible);
     gp_free(l.list);
     gp_free(l.out);
     gp_free(asked);
