@@ -34,15 +34,12 @@ struct gp_eye_window {
     bool turned; // it asks for the part of a disc inside of it
 };
 
-/* Numbers that gp_eye_rays() finds. */
+/* Shares that gp_eye_rays() finds, 0 to 1. The error is one standard deviation of the
+ * samples, at most; a ray's share, or more, where triangles are before the disc. */
 struct gp_eye_share {
-    double
-        clear; // share of the disc's part outside the window that shows, 0 to 1;
-               // 1 where no part is outside
-    double part; // share of the disc that it is, 0 to 1
-    double
-        error; // of `clear`: one standard deviation of the samples, at most; a
-               // ray's share, or more, where triangles are before the disc
+    double clear; // of the disc's part outside the window; 1: no part is
+    double part;  // of the disc that is outside
+    double error; // of `clear`
 };
 
 /* Casts rays in double through the triangles of E; materials are tested as

@@ -86,7 +86,7 @@ static json_t *base_texture(json_t *material)
  * (KHR_materials_transmission), as a blended one of at most half its alpha
  * would; a texture of it is not read, and the material is opaque. */
 static gp_status read_glass(struct gp_gltf *g, const struct gp_json_place *at,
-                            json_t *o, int *texture, struct gp_material *m)
+                            json_t *o, struct gp_material *m)
 {
     json_t *const glass = gp_gltf_extension(o, "KHR_materials_transmission");
     double factor = 0.0;
@@ -98,12 +98,13 @@ static gp_status read_glass(struct gp_gltf *g, const struct gp_json_place *at,
     g->odd[GP_GLTF_GLASS] |= textured || factor < 1.0;
     if (!textured && factor >= 0.5) {
         m->cutoff = 2.0f; // no alpha reaches it
-        *texture = -1;
+        m->cutout = -1;
     }
     return GP_OK;
 }
 
-static gp_status read_material(struct gp_gltf *g, int index, int *texture,
+/* Reads a material; its cutout is the texture that its alpha asks for. */
+static gp_status read_material(struct gp_gltf *g, int index,
                                struct gp_material *m)
 {
     static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
@@ -118,14 +119,14 @@ static gp_status read_material(struct gp_gltf *g, int index, int *texture,
     GP_TRY(gp_json_choice(&at, o, "alphaMode", modes, &mode));
     if (mode == 1)
         GP_TRY(gp_json_number(&at, o, "alphaCutoff", 0.0, 1e6, &cutoff));
-    GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", texture));
+    GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", &m->cutout));
     if (!mode)
-        *texture = -1; // its alpha is ignored
+        m->cutout = -1; // its alpha is ignored
     g->odd[GP_GLTF_BLENDED] |= mode == 2;
     for (int i = 0; i < 4; i++)
         m->base[i] = (float) colour[i];
     m->cutoff = mode ? (float) cutoff : 0.0f;
-    st = read_glass(g, &at, o, texture, m);
+    st = read_glass(g, &at, o, m);
 out:
     return st;
 }
@@ -146,14 +147,12 @@ gp_status gp_gltf_materials(struct gp_gltf *g, struct gp_scene *out)
     };
     for (int i = 0; i < n; i++) {
         struct gp_material *const m = &out->material[i];
-        int texture;
-        m->cutout = -1;
-        GP_TRY(read_material(g, i, &texture, m));
-        g->odd[GP_GLTF_BLIND] |= texture >= 0 && !g->images;
-        if (texture < 0 || !g->images)
-            continue;
-        GP_TRY(read_cutout(g, texture, out));
-        m->cutout = texture;
+        GP_TRY(read_material(g, i, m));
+        g->odd[GP_GLTF_BLIND] |= m->cutout >= 0 && !g->images;
+        if (!g->images)
+            m->cutout = -1;
+        else if (m->cutout >= 0)
+            GP_TRY(read_cutout(g, m->cutout, out));
     }
 out:
     return st;
