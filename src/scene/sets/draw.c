@@ -186,15 +186,15 @@ static gp_status upload_meshes(struct gp_drawing *d)
     const struct gp_scene *const s = d->s;
     gp_status st;
     float *list = NULL;
-    long long n = 0;
+    const int n = s->indices;
     int at = 0;
-    for (int i = 0; i < s->submeshes; i++)
-        n += s->submesh[i].count;
     const int limit = gp_gl_info(d->gl)->max_texel_buffer;
     if (n > limit / TEXELS)
-        return gp_fail_bare(d->log, GP_ERR_GL, "%s: %lld triangles do not fit "
-                            "into the memory of %s (the limit is %d)", s->path,
-                            n / 3, gp_gl_info(d->gl)->name, limit / TEXELS / 3);
+        return gp_fail_bare(d->log, GP_ERR_GL,
+                            "%s: %d triangles do not fit "
+                            "into the memory of %s (the limit is %d)",
+                            s->path, n / 3, gp_gl_info(d->gl)->name,
+                            limit / TEXELS / 3);
     GP_TRY(gp_alloc_zero(d->log, "batches", (size_t) s->submeshes + 1,
                          sizeof *d->submesh, &d->submesh));
     GP_TRY(gp_alloc_zero(d->log, "batches", (size_t) s->meshes + 1,

@@ -338,20 +338,21 @@ static struct gp_scissor depths_cut(const struct depths *d,
                                 fmin((double) most, s.far)};
 }
 
-/* Returns the bounds of n objects, those of `index`, within a light's (O'Rorke,
+/* Returns the bounds of the n objects that are in I, within a light's (O'Rorke,
  * GPU Gems 15.5). */
 static struct gp_scissor scissor_join(const struct gp_scissor *box,
-                                      const int *index, int n,
+                                      const uint8_t *flag, int n,
                                       const struct gp_scissor *light)
 {
     const struct gp_scissor l = widened(*light);
     struct gp_scissor all = {0};
     for (int i = 0; i < n; i++) {
-        const struct gp_scissor *const b = &box[index[i]];
+        const struct gp_scissor *const b = &box[i];
         const struct gp_scissor both = {gp_rect_meet(b->rect, l.rect),
                                         fmax(b->near, l.near),
                                         fmin(b->far, l.far)};
-        if (gp_rect_empty(both.rect) || both.near > both.far)
+        if (!(flag[i] & GP_SET_I) || gp_rect_empty(both.rect) ||
+            both.near > both.far)
             continue;
         all = gp_rect_empty(all.rect)
                   ? both
@@ -374,10 +375,7 @@ struct gp_sets {
     // of each object
     uint8_t *flag;
     struct gp_scissor *box;    // of its visible points
-    // of the light
-    int *lit;                  // I
-    int lits;
-    struct gp_scissor scissor;
+    struct gp_scissor scissor; // of the light
     struct gp_umbras *umbras;
 };
 
@@ -449,7 +447,6 @@ gp_status gp_sets_open(const struct gp_log *log, const struct gp_scene *scene,
     s->use = use;
     GP_TRY(gp_alloc(log, what, n, sizeof *s->flag, &s->flag));
     GP_TRY(gp_alloc(log, what, n, sizeof *s->box, &s->box));
-    GP_TRY(gp_alloc(log, what, n, sizeof *s->lit, &s->lit));
     GP_TRY(gp_umbras_open(log, scene, &s->umbras));
     GP_TRY(gp_sets_look(log, s, view->depth));
     *out = s;
@@ -465,7 +462,6 @@ void gp_sets_close(struct gp_sets **sets)
     if (s) {
         gp_free(s->flag);
         gp_free(s->box);
-        gp_free(s->lit);
         gp_umbras_close(&s->umbras);
         gp_free(s->depths.tile);
     }
@@ -486,9 +482,10 @@ static struct gp_v3 wide_half(const struct gp_sets *s,
     return (struct gp_v3) {e.x + more, e.y + more, e.z + more};
 }
 
-/* Takes objects in an umbra out of L, and lists I. */
-static void find_lit(struct gp_sets *s, const struct light_range *r)
+/* Takes objects in an umbra out of L, and flags I; false: it is empty. */
+static bool find_lit(struct gp_sets *s, const struct light_range *r)
 {
+    unsigned all = 0;
     gp_umbras_light(s->umbras, s->use & GP_SETS_LIGHTS ? s->flag : NULL,
                     r->from);
     for (int i = 0; i < s->scene->objects; i++) {
@@ -499,12 +496,13 @@ static void find_lit(struct gp_sets *s, const struct light_range *r)
         if (gp_umbras_hold(s->umbras, c, wide_half(s, r, o)))
             s->flag[i] &= (uint8_t) ~GP_SET_L;
         else if (s->flag[i] & GP_SET_V)
-            s->lit[s->lits++] = i;
+            s->flag[i] |= GP_SET_I;
+        all |= s->flag[i];
     }
+    return all & GP_SET_I;
 }
 
-/* Flags I, and S: of L, what meets the hull of the light and of what it
- * lights. */
+/* Flags S: of L, what meets the hull of the light and of what it lights. */
 static void flag_light(struct gp_sets *s, const struct light_range *r,
                        const struct gp_scissor *lit)
 {
@@ -520,8 +518,6 @@ static void flag_light(struct gp_sets *s, const struct light_range *r,
              !misses(&hull, c, wide_half(s, r, o))))
             s->flag[i] |= GP_SET_S;
     }
-    for (int k = 0; k < s->lits; k++)
-        s->flag[s->lit[k]] |= GP_SET_I;
 }
 
 struct gp_scissor gp_sets_light(struct gp_sets *s, int light)
@@ -539,19 +535,22 @@ struct gp_scissor gp_sets_light(struct gp_sets *s, int light)
         s->flag[i] |= GP_SET_L;
     }
     s->scissor = (struct gp_scissor) {0};
-    s->lits = 0;
     if (!meets || !reached)
         return s->scissor;
-    find_lit(s, &r);
+    const bool some = find_lit(s, &r);
     const struct gp_scissor bounds =
         isfinite(r.range) ? box_project(v, &r.box)
                           : (struct gp_scissor) {v->window, v->near, INFINITY};
     struct gp_scissor lit =
-        any ? bounds : scissor_join(s->box, s->lit, s->lits, &bounds);
+        any ? bounds
+            : scissor_join(s->box, s->flag, s->scene->objects, &bounds);
     lit = depths_cut(&s->depths, &lit);
     const bool cut = s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
-    if ((s->lits == 0 && !any) || (cut && gp_rect_empty(lit.rect)))
+    if ((!some && !any) || (cut && gp_rect_empty(lit.rect))) {
+        for (int i = 0; i < s->scene->objects; i++)
+            s->flag[i] &= (uint8_t) ~GP_SET_I;
         return s->scissor;
+    }
     s->scissor = (s->use & GP_SETS_SCISSOR)
                      ? lit : (struct gp_scissor) {v->window, v->near, s->far};
     flag_light(s, &r, &lit);
