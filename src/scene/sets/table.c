@@ -133,7 +133,8 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
 {
     const int n = w->s->objects;
     const struct gp_scissor cut = gp_sets_light(sets, light);
-    w->out->light[light] = cut;
+    if (last)
+        w->out->light[light] = cut;
     if (gp_rect_empty(cut.rect))
         return GP_OK;
     const int lits = list_set(w, sets, GP_SET_I, 0, n, w->list);
