@@ -213,23 +213,6 @@ static void take_turn(struct trial *t)
         glarepp_plan_end(&t->plan);
 }
 
-/* Finds the row's median, and its facts of whole runs. */
-static void end_runs(struct trial *t)
-{
-    struct gp_bench_row *const row = t->row;
-    if (t->same) {
-        struct gp_bench_row *const other = t->same->row;
-        other->twin = row->name;
-        row->same = other->name;
-        row->took = other->took;
-        row->bound = other->bound;
-    } else if (!t->st && isnan(row->share)) {
-        if (!t->times.n)
-            gp_bench_time(&t->times, row->took.first); // the only one: long
-        gp_bench_spread(&t->times, &row->took);
-    }
-}
-
 // -- errors -------------------------------------------------------------------
 
 /* Composes and tone maps a frame; *out has its picture, borrowed. */
@@ -314,7 +297,17 @@ static gp_status end_trial(struct trial *t)
     struct gp_bench_row *const row = t->row;
     const struct gp_log *const log = t->b->log;
     const gp_status st = t->st;
-    end_runs(t);
+    if (t->same) {
+        struct gp_bench_row *const other = t->same->row;
+        other->twin = row->name;
+        row->same = other->name;
+        row->took = other->took;
+        row->bound = other->bound;
+    } else if (!st && isnan(row->share)) {
+        if (!t->times.n)
+            gp_bench_time(&t->times, row->took.first); // the only one: long
+        gp_bench_spread(&t->times, &row->took);
+    }
     if (!st)
         row->why[0] = '\0'; // written for a context that another replaced
     else

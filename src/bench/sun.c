@@ -57,37 +57,27 @@ static void make_rows(struct bench *b)
 
 // -- measuring ---------------------------------------------------------------
 
-/* A frame of the job in a plan of a row's method, its lights placed. */
-static gp_status begin_row(const struct bench *b, const struct gp_log *log,
-    const struct row *r, struct glarepp_plan **plan,
-    struct glarepp_frame **frame)
-{
-    struct glarepp_plan_params p = *b->req->plan;
-    struct glarepp_frame_params f = b->req->describe(b->req->user, &b->frame);
-    gp_status st;
-    p.lights = &r->p;
-    p.lens = NULL;
-    GP_TRY(glarepp_plan(b->req->gp, &p, plan));
-    f.in_place = true;
-    f.user = (void *) (uintptr_t) log;
-    GP_TRY(glarepp_frame(*plan, &f, frame));
-    GP_TRY(glarepp_frame_run(*frame, GLAREPP_POSE));
-    GP_TRY(glarepp_frame_run(*frame, GLAREPP_PLACE));
-    if (glarepp_frame_facts(*frame)->lights)
-        GP_TRY(b->req->planes(b->req->user, log, &b->frame, *frame));
-out:
-    return st;
-}
-
 /* Measures a row; the first finds the lights, and its errors are those of all. */
 static gp_status measure_row(struct bench *b, struct row *r)
 {
     const bool first = r == b->row;
     const struct gp_log keep = {gp_bench_keep_why, r->why, GP_LEVEL_ERROR};
+    const struct gp_log *const log = first ? b->log : &keep;
+    struct glarepp_plan_params p = *b->req->plan;
+    struct glarepp_frame_params f = b->req->describe(b->req->user, &b->frame);
     struct glarepp_plan *plan = NULL;
     struct glarepp_frame *frame = NULL;
     gp_status st;
-    GP_TRY(begin_row(b, first ? b->log : &keep, r, &plan, &frame));
+    p.lights = &r->p;
+    p.lens = NULL;
+    GP_TRY(glarepp_plan(b->req->gp, &p, &plan));
+    f.in_place = true;
+    f.user = (void *) (uintptr_t) log;
+    GP_TRY(glarepp_frame(plan, &f, &frame));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_POSE));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_PLACE));
+    if (glarepp_frame_facts(frame)->lights)
+        GP_TRY(b->req->planes(b->req->user, log, &b->frame, frame));
     b->times.n = 0;
     for (int run = 0; run <= b->req->params->runs; run++) {
         const double start = gp_now_ms();

@@ -84,31 +84,21 @@ out:
     return st;
 }
 
-/* Reads the file once more; NaN: a pipe, which cannot be. */
-static gp_status read_once(const struct whole *w, double *ms)
-{
-    struct gp_frame f = {0};
-    const struct gp_bench_request *const req = w->b->req;
-    if (strcmp(req->input, "-") == 0) {
-        *ms = NAN;
-        return GP_OK;
-    }
-    const double start = gp_now_ms();
-    const gp_status st =
-        gp_read_frame(&w->b->errors, req->read, req->input, &f);
-    *ms = gp_now_ms() - start;
-    gp_frame_free(&f);
-    return st;
-}
-
 /* One round: a frame is read, computed, and written in all ways whose time is not
  * over. The first round makes what later frames keep, and counts for none. */
 static gp_status run_round(struct whole *w, struct glarepp_plan *plan,
                            int round)
 {
     gp_status st;
+    const struct gp_bench_request *const req = w->b->req;
+    const bool pipe = strcmp(req->input, "-") == 0; // which is read once
+    struct gp_frame f = {0};
     double ms[3], took;
-    GP_TRY(read_once(w, &ms[0]));
+    const double begin = gp_now_ms();
+    if (!pipe)
+        GP_TRY(gp_read_frame(&w->b->errors, req->read, req->input, &f));
+    ms[0] = pipe ? (double) NAN : gp_now_ms() - begin;
+    gp_frame_free(&f);
     GP_TRY(glarepp_frame(plan, &w->b->params, &w->frame));
     const double start = gp_now_ms();
     GP_TRY(glarepp_frame_run(w->frame, GLAREPP_SENSE));

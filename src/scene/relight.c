@@ -593,24 +593,6 @@ static void set_view(struct relit *w)
                                     gp_v3_scale(w->way[2], d.y0)));
 }
 
-/* Builds a light's tree and marks its pixels. */
-static gp_status open_lamp(const struct gp_log *log, const struct gp_scene *s,
-                           struct gp_meshes *meshes, struct lamp *lamp)
-{
-    const struct gp_relight_pass *const pass = lamp->pass;
-    const int rows = gp_rect_h(lamp->cut);
-    gp_status st;
-    GP_TRY(gp_alloc_zero(log, "lit rows", (size_t) rows + 1, sizeof *lamp->row,
-                         &lamp->row));
-    GP_TRY(gp_alloc(log, "lit pixels", (size_t) rows *
-                    (size_t) gp_rect_w(lamp->cut) + 1, 1, &lamp->mark));
-    GP_TRY(gp_rays_make(log, s, meshes, pass->caster, pass->casters,
-                        &lamp->rays));
-    gp_parallel_do(rows, mark_row, lamp);
-out:
-    return st;
-}
-
 gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     struct gp_meshes *meshes, const struct gp_surfaces *f,
     const struct gp_relight_pass *pass, int passes,
@@ -625,11 +607,18 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_rays_make(log, s, meshes, f->object, f->objects, &w.shown));
     GP_TRY(find_colours(log, &w));
     for (int k = 0; k < passes; k++) {
-        w.lamp[k] = (struct lamp) {
-            .of = &w, .pass = &pass[k],
-            .cut = gp_rect_meet(pass[k].cut, f->data),
-        };
-        GP_TRY(open_lamp(log, s, meshes, &w.lamp[k]));
+        struct lamp *const lamp = &w.lamp[k];
+        lamp->of = &w;
+        lamp->pass = &pass[k];
+        lamp->cut = gp_rect_meet(pass[k].cut, f->data);
+        const int rows = gp_rect_h(lamp->cut);
+        GP_TRY(gp_alloc_zero(log, "lit rows", (size_t) rows + 1,
+                             sizeof *lamp->row, &lamp->row));
+        GP_TRY(gp_alloc(log, "lit pixels", gp_rect_pixels(lamp->cut) + 1, 1,
+                        &lamp->mark));
+        GP_TRY(gp_rays_make(log, s, meshes, pass[k].caster, pass[k].casters,
+                            &lamp->rays));
+        gp_parallel_do(rows, mark_row, lamp);
     }
     gp_parallel_do(gp_rect_h(f->data), light_row, &w);
     for (int k = 0; k < passes; k++) {
