@@ -179,21 +179,16 @@ static double way_to(const struct gp_eye_disc *d, struct gp_v3 along)
 
 // -- samples -----------------------------------------------------------------
 
-static struct gp_v3 sample_at(const struct samples *s, int x, int y)
-{
-    const uint32_t i = (uint32_t) (y * LAST + x) * 2u;
-    const double a = ((double) x + jitter(i)) / s->side;
-    const double b = ((double) y + jitter(i + 1u)) / s->side;
-    return direction(s, 2.0 * a - 1.0, 2.0 * b - 1.0);
-}
-
 static void cast_row(void *ctx, int y, int thread)
 {
     (void) thread;
     struct samples *const s = ctx;
     struct row_sums sums = {0};
     for (int x = 0; x < s->side; x++) {
-        const struct gp_v3 along = sample_at(s, x, y);
+        const uint32_t i = (uint32_t) (y * LAST + x) * 2u;
+        const double a = ((double) x + jitter(i)) / s->side;
+        const double b = ((double) y + jitter(i + 1u)) / s->side;
+        const struct gp_v3 along = direction(s, 2.0 * a - 1.0, 2.0 * b - 1.0);
         // area in the picture of a solid angle there, but for a factor
         const double view = s->plane ? along_view(s, along) : 1.0;
         const double weight = 1.0 / (view * view * view);

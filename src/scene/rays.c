@@ -282,23 +282,6 @@ static inline double walk_tree(const struct gp_tree *t, struct gp_v3 from,
 
 // -- meshes ------------------------------------------------------------------
 
-static void list_triangles(const struct gp_scene *s,
-                           const struct gp_submesh *p, struct triangle *out,
-                           struct gp_box *box)
-{
-    for (int i = p->first; i < p->first + p->count; i += 3, out++, box++) {
-        out->index = i;
-        out->material = p->material;
-        *box = GP_BOX_EMPTY;
-        for (int v = 0; v < 3; v++) {
-            const uint32_t at = s->index[i + v];
-            memcpy(out->at + 3 * v, s->position + 3 * (size_t) at,
-                   3 * sizeof *out->at);
-            *box = gp_box_with(*box, gp_scene_vertex(s, at));
-        }
-    }
-}
-
 static gp_status make_mesh(const struct gp_log *log, const struct gp_scene *s,
                            const struct gp_mesh *m, struct gp_mesh_tree *out)
 {
@@ -312,8 +295,18 @@ static gp_status make_mesh(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_alloc(log, what, most, sizeof *box, &box));
     GP_TRY(gp_alloc(log, what, most, sizeof *out->triangle, &out->triangle));
     for (int k = 0; k < m->submeshes; k++) {
-        list_triangles(s, &part[k], out->triangle + n, box + n);
-        n += (size_t) part[k].count / 3;
+        for (int i = 0; i < part[k].count; i += 3, n++) {
+            struct triangle *const t = &out->triangle[n];
+            t->index = part[k].first + i;
+            t->material = part[k].material;
+            box[n] = GP_BOX_EMPTY;
+            for (int v = 0; v < 3; v++) {
+                const uint32_t at = s->index[t->index + v];
+                memcpy(t->at + 3 * v, s->position + 3 * (size_t) at,
+                       3 * sizeof *t->at);
+                box[n] = gp_box_with(box[n], gp_scene_vertex(s, at));
+            }
+        }
     }
     GP_TRY(make_tree(log, box, (int) n, &out->tree));
     out->made = true;

@@ -483,22 +483,6 @@ static void mark_row(void *ctx, int i, int thread)
     }
 }
 
-/* Returns the marks of a pixel and of those around it, as bits. */
-static int marks_around(const struct lamp *lamp, int x, int y)
-{
-    const struct gp_rect cut = lamp->cut;
-    const int n = gp_rect_w(cut);
-    int marks = 0;
-    for (int row = y - 1; row <= y + 1; row++) {
-        for (int at = x - 1; at <= x + 1; at++) {
-            if (at >= cut.x0 && at < cut.x1 && row >= cut.y0 && row < cut.y1)
-                marks |= 1 << lamp->mark[(size_t) (row - cut.y0) * (size_t) n +
-                                         (size_t) (at - cut.x0)];
-        }
-    }
-    return marks;
-}
-
 static void light_surfaces(const struct lamp *lamp, const struct pixel *p,
                            int next, double add[3], struct glarepp_relit *facts)
 {
@@ -520,7 +504,17 @@ static void light_pixel(const struct lamp *lamp, struct pixel *p)
 {
     const struct relit *const w = lamp->of;
     struct glarepp_relit *const facts = &lamp->row[p->y - lamp->cut.y0];
-    const int next = marks_around(lamp, p->x, p->y);
+    const struct gp_rect cut = lamp->cut;
+    const struct gp_rect around = {p->x - 1, p->y - 1, p->x + 2, p->y + 2};
+    const struct gp_rect r = gp_rect_meet(cut, around);
+    int next = 0; // marks of the pixel and of those around it, as bits
+    for (int y = r.y0; y < r.y1; y++) {
+        for (int x = r.x0; x < r.x1; x++)
+            next |=
+                1
+                << lamp->mark[(size_t) (y - cut.y0) * (size_t) gp_rect_w(cut) +
+                              (size_t) (x - cut.x0)];
+    }
     double add[3] = {0};
     bool reached = false;
     for (int k = 0; k < p->n; k++)

@@ -253,21 +253,6 @@ static gp_status make_programs(struct gp_drawing *d)
     return st;
 }
 
-/* Sets the eye, and the matrix to clip coordinates: y stays down, depth is
- * near / distance. */
-static void set_view(struct gp_drawing *d)
-{
-    const double *const ndc = d->c->to_ndc;
-    for (int r = 0; r < 4; r++) {
-        const double w = ndc[4 * r + 3];
-        d->to_clip[4 * r] = 2.0 * ndc[4 * r] - w;
-        d->to_clip[4 * r + 1] = 2.0 * ndc[4 * r + 1] - w;
-        d->to_clip[4 * r + 2] = r == 3 ? d->p.near : 0.0;
-        d->to_clip[4 * r + 3] = w;
-    }
-    d->eye = gp_camera_eye(d->c);
-}
-
 gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_scene *s, const struct gp_camera *c,
     const struct glarepp_sets_params *p, struct gp_drawing **out)
@@ -287,7 +272,14 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     };
     for (int i = 0; i < s->objects; i++)
         d->whole = gp_box_join(d->whole, s->object[i].box);
-    set_view(d);
+    d->eye = gp_camera_eye(c);
+    for (int r = 0; r < 4; r++) { // y stays down, depth is near / distance
+        const double *const ndc = &c->to_ndc[4 * r];
+        d->to_clip[4 * r] = 2.0 * ndc[0] - ndc[3];
+        d->to_clip[4 * r + 1] = 2.0 * ndc[1] - ndc[3];
+        d->to_clip[4 * r + 2] = r == 3 ? p->near : 0.0;
+        d->to_clip[4 * r + 3] = ndc[3];
+    }
     GP_TRY(gp_gl_use(log, gl));
     GP_TRY(upload_meshes(d));
     GP_TRY(gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
