@@ -21,7 +21,6 @@ struct gp_drawing {
     const struct gp_log *log;
     const struct gp_gl *gl;
     const struct gp_scene *s;
-    const struct gp_camera *c;
     struct glarepp_sets_params p;
     struct gp_box whole;       // holds every object
     struct gp_buffer vertices;
@@ -265,7 +264,6 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
         .log = log,
         .gl = gl,
         .s = s,
-        .c = c,
         .p = *p,
         .whole = GP_BOX_EMPTY,
         .all = {0, 0, p->w, p->h},

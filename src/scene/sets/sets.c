@@ -251,33 +251,6 @@ struct depths {
     } *tile;              // owned
 };
 
-/* Finds the tiles of depths; `out` is zero, and stays so on failure. */
-static gp_status depths_make(const struct gp_log *log, struct gp_rect window,
-                             const float *depth, struct depths *out)
-{
-    const int w = gp_rect_w(window), h = gp_rect_h(window);
-    const int across = (w + TILE - 1) / TILE, down = (h + TILE - 1) / TILE;
-    const size_t tiles = (size_t) across * (size_t) down;
-    struct tile *tile;
-    const gp_status st = gp_alloc(log, "depths of the scene", tiles,
-                                  sizeof *tile, &tile);
-    if (st)
-        return st;
-    *out = (struct depths) {window, across, down, depth, tile};
-    for (size_t i = 0; i < tiles; i++)
-        tile[i] = (struct tile) {.least = INFINITY};
-    for (int y = 0; y < h; y++) {
-        for (int x = 0; x < w; x++) {
-            const float z = depth[(size_t) y * (size_t) w + (size_t) x];
-            struct tile *const t = &tile[y / TILE * across + x / TILE];
-            const bool surface = z > 0.0f && z < GP_DEPTH_HUGE;
-            t->least = gp_minf(surface ? z : INFINITY, t->least);
-            t->deepest = gp_maxf(surface ? z : 0.0f, t->deepest);
-        }
-    }
-    return GP_OK;
-}
-
 /* True where bounds are behind the surfaces of all of their pixels, or have
  * none: no pixel's centre can show a part of what is in them. */
 static bool depths_hide(const struct depths *d, const struct gp_scissor *b)
@@ -409,13 +382,31 @@ gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
                        const float *depth)
 {
     const double *const m = s->view.camera.to_ndc;
-    gp_status st = GP_OK;
+    const struct gp_rect window = s->view.window;
+    const int w = gp_rect_w(window), h = gp_rect_h(window);
+    const int across = (w + TILE - 1) / TILE, down = (h + TILE - 1) / TILE;
+    const size_t tiles = (size_t) across * (size_t) down;
+    struct tile *tile = NULL;
     gp_free(s->depths.tile);
     s->depths = (struct depths) {0};
-    if (depth && (s->use & (GP_SETS_OCCLUSION | GP_SETS_SCISSOR)))
-        st = depths_make(log, s->view.window, depth, &s->depths);
-    if (st)
-        return st;
+    if (depth && (s->use & (GP_SETS_OCCLUSION | GP_SETS_SCISSOR))) {
+        const gp_status st =
+            gp_alloc(log, "depths of the scene", tiles, sizeof *tile, &tile);
+        if (st)
+            return st;
+        s->depths = (struct depths) {window, across, down, depth, tile};
+    }
+    for (size_t i = 0; tile && i < tiles; i++)
+        tile[i] = (struct tile) {.least = INFINITY};
+    for (int y = 0; tile && y < h; y++) {
+        for (int x = 0; x < w; x++) {
+            const float z = depth[(size_t) y * (size_t) w + (size_t) x];
+            struct tile *const t = &tile[y / TILE * across + x / TILE];
+            const bool surface = z > 0.0f && z < GP_DEPTH_HUGE;
+            t->least = gp_minf(surface ? z : INFINITY, t->least);
+            t->deepest = gp_maxf(surface ? z : 0.0f, t->deepest);
+        }
+    }
     s->far = 2.0 * s->view.near;
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
