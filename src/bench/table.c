@@ -210,7 +210,7 @@ static void print_table(const struct gp_bench_table *t)
         printf(f->paper ? " %8s\n" : "\n", "x paper");
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const r = &f->row[k];
-            const struct gp_bench_took *const t = &r->took;
+            const struct gp_bench_took *const ms = &r->took;
             const bool whole = isnan(r->share);
             if (r->why[0]) {
                 printf("  %-26s cannot run: %.*s%s\n", r->name, WHY,
@@ -219,19 +219,19 @@ static void print_table(const struct gp_bench_table *t)
                 continue;
             }
             printf("%c %-26s", r->pareto ? '>' : ' ', r->name);
-            print_cell(9, t->ms < 1e4 ? "%.2f" : "%.0f", t->ms);
+            print_cell(9, ms->ms < 1e4 ? "%.2f" : "%.0f", ms->ms);
             putchar(whole ? ' ' : '*');
-            print_cell(8, "%.2f", whole ? t->least : none);
-            print_cell(8, "%.2f", whole ? t->most : none);
-            print_cell(8, t->first < 1e4 ? "%.1f" : "%.0f", t->first);
-            print_cell(8, "%.4g", 1e3 / t->ms);
+            print_cell(8, "%.2f", whole ? ms->least : none);
+            print_cell(8, "%.2f", whole ? ms->most : none);
+            print_cell(8, ms->first < 1e4 ? "%.1f" : "%.0f", ms->first);
+            print_cell(8, "%.4g", 1e3 / ms->ms);
             for (int by = 0; by < GP_BENCH_BY; by++)
                 print_cell(by ? 8 : 9, by ? "%.1e" : "%.2e", r->error[by]);
             print_cell(8, "%.1e", r->bound);
             print_cell(9, "%.0f", r->polygons);
             print_cell(8, "%.4g", r->polygon_pixels * 1e-6);
             if (f->paper)
-                print_cell(8, "%.2f", 1e3 / t->ms / f->paper->fps);
+                print_cell(8, "%.2f", 1e3 / ms->ms / f->paper->fps);
             putchar('\n');
         }
         for (int k = 0; k < f->rows; k++) {

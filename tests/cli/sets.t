@@ -54,6 +54,9 @@ is "$(grep -c '"same_picture": true' json)" 5 'has five rows, and no table'
 is "$(grep -c '"name"' json)" 2 'and two lights'
 is "$(grep -c '"cpu_ms": 0*[.1-9]' json)" 5 'and the CPU time of each row'
 is "$(tail -c 1 json | wc -l)" 1 'and ends with a line feed'
+"$glarepp" sets --size 64x36 --runs 2 --json - square.gltf >json2 2>err
+is "$(sed -n '/"lights": \[/,$p' json2)" "$(sed -n '/"lights": \[/,$p' json)" \
+    'lights are those of the last row, however many runs'
 
 "$glarepp" sets --size 64x36 --runs 1 -o a.exr --debug sets=sets.png \
     --debug scissor=scissor.png square.gltf >/dev/null 2>err
