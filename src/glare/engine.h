@@ -63,14 +63,6 @@ struct gp_glare_params {
         .splat = GP_SPLAT_DEFAULTS                                         \
     }
 
-/* Light that no engine draws: the far field's, and from beyond the border. */
-struct gp_layer_rest {
-    gp_task add; // adds it to row i % h of channel i / h of the layer, of w * h
-    void *ctx;
-    bool added;  // by the engine, to all rows, while it writes them; false: the
-                 // caller adds it
-};
-
 /* Direct work: every source's kernel, cut to the frame. */
 struct gp_glare_request {
     const struct gp_log *log;
@@ -79,9 +71,9 @@ struct gp_glare_request {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct glarepp_layer_facts *stats;
-    struct gp_layer_rest *rest;     // or NULL
-    const struct gp_far_state *far; // of the kernel's far field, which `rest`
-                                    // adds; NULL: it has none
+    const struct gp_far_state
+        *far; // of the kernel's far field, which the caller
+              // adds; NULL: it has none
     double
         beyond; // most light from beyond the border, on which the far field errs too;
                 // 0: none

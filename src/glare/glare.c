@@ -240,11 +240,9 @@ static gp_status add_exact(const struct gp_log *log, struct drawing *d)
 }
 
 /* Draws by true angles, with a kernel's core where that is more than what stays in
- * its pixel. Light from beyond the border is added where levels are the last to write
- * rows. */
+ * its pixel. */
 static gp_status draw_sky(const struct gp_log *log,
-                          const struct gp_choice *engine,
-                          struct gp_layer_rest *rest, struct drawing *d)
+                          const struct gp_choice *engine, struct drawing *d)
 {
     const struct gp_glare_request *const req = &d->req;
     const struct gp_kernel *const k = req->kernel;
@@ -262,14 +260,11 @@ static gp_status draw_sky(const struct gp_log *log,
         error->cosines > 0.0 ? req->floor : error->relative;
     if (alone || gp_sky_cosines(d->kernel->sky))
         req->stats->engine = gp_sky_way(d->kernel->sky);
-    rest->added = rest->add != NULL;
     return gp_sky_add(log, k->sky,
                       &(struct gp_sky_drawing) {
                           .src = req->src,
                           .add = !alone,
                           .more = {stays[0], stays[1], stays[2]},
-                          .rest = rest->add,
-                          .ctx = rest->ctx,
                           .layer = &d->f->layer,
                           .last = d->params.last,
                           .kept = &d->g->cosines,
@@ -286,7 +281,6 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     struct gp_glare_request *const req = &d->req;
     struct gp_far_rows *rows = NULL;
     struct rest parts = {0};
-    struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
     const int h = d->src->h;
     if (req->far) {
         GP_TRY(gp_far_find(log, d->kernel->far, g->far, req->src, &d->f->layer,
@@ -298,16 +292,11 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
                                d->beyond, &d->f->layer, &g->outside));
         parts.beyond = d->times ? NULL : g->outside; // as bright as the frame
     }
-    const bool more = parts.far || parts.beyond;
-    if (!more)
-        rest.add = NULL;
-    if (d->kernel->sky) {
-        GP_TRY(draw_sky(log, engine, &rest, d));
-    } else {
-        req->rest = more ? &rest : NULL;
+    if (d->kernel->sky)
+        GP_TRY(draw_sky(log, engine, d));
+    else
         GP_TRY(gp_engines[engine->engine]->run(req, &g->state[engine->engine]));
-    }
-    if (more && !rest.added)
+    if (parts.far || parts.beyond)
         gp_parallel_do(3 * h, add_rest, &parts);
     // an engine's bound is that of its own sum
     if (!(engine->bound > 0.0))

@@ -18,7 +18,7 @@ enum { TAPS = GP_FAR_TAPS, MOST_STEP = 32, LANES = 8 };
 struct gp_far_state {
     unsigned long serial;          // of the far field
     struct gp_transform pair[2];   // of x and y
-    struct gp_fft_kernel spectrum; // of c, times factors of the passes
+    struct gp_fft_matrix spectrum; // of c, times factors of the passes
     struct gp_far_error error;
     float weight[MOST_STEP][TAPS]; // B at the nodes around pixel i of a step
     float at[TAPS][MOST_STEP];     // the same, tap by tap
@@ -29,7 +29,7 @@ void gp_far_close(struct gp_far_state **state)
     struct gp_far_state *const s = *state;
     if (s) {
         gp_fft_pair_free(s->pair);
-        gp_fft_matrix_free(&s->spectrum.m);
+        gp_fft_matrix_free(&s->spectrum);
     }
     GP_FREE(*state);
 }
@@ -137,10 +137,10 @@ static gp_status find_error(const struct gp_log *log, const struct gp_far_field 
         for (int x = 0; x <= nx / 2; x++) {
             const struct gp_far_keeping across = gp_far_keep_of(x, nx);
             // the passes' factor 1 / 2 of rows was left out once
-            const float *const plane = s->spectrum.m.z[c];
+            const float *const plane = s->spectrum.z[c];
             limit_column(plane +
-                             (size_t) (x / GP_FLOAT_LINES) *
-                                 s->spectrum.m.pitch * 2 * GP_FLOAT_LINES +
+                             (size_t) (x / GP_FLOAT_LINES) * s->spectrum.pitch *
+                                 2 * GP_FLOAT_LINES +
                              x % GP_FLOAT_LINES,
                          2.0 * points * area, &across, down, ny,
                          x == 0 || 2 * x == nx ? 1.0 : 2.0, &l);
@@ -172,7 +172,7 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *s, &s));
     GP_TRY(gp_fft_pair_make(log, nx, ny, false, s->pair));
     GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, channels, nx,
-                              ny, &s->spectrum.m));
+                              ny, &s->spectrum));
     GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
     const struct gp_fft_request fft = {
         .log = log,
@@ -183,12 +183,10 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     const struct kernel_rows from = {t, nx};
     for (int j = 0; j < rows; j++)
         places[j] = (j - t->ry + ny) % ny;
-    GP_TRY(gp_fft_rows_in(&fft, rows, load_kernel_row, &from, &s->spectrum.m));
+    GP_TRY(gp_fft_rows_in(&fft, rows, load_kernel_row, &from, &s->spectrum));
     // factors 1/2 of rows were left out here, and will be of the light's
-    s->spectrum.rows = (struct gp_fft_rows) {rows, places};
-    s->spectrum.scale = 0.25 / ((double) nx * ny);
-    GP_TRY(gp_fft_make_kernel(&fft, &s->spectrum));
-    s->spectrum.rows = (struct gp_fft_rows) {0}; // their places end here
+    GP_TRY(gp_fft_make_kernel(&fft, (struct gp_fft_rows) {rows, places},
+                              0.25 / ((double) nx * ny), &s->spectrum));
     GP_TRY(find_error(log, t, s));
     for (int i = 0; i < t->split.step; i++) {
         double b[TAPS];
@@ -305,10 +303,8 @@ static void load_nodes(const void *ctx, int c, int j, float *z)
 
 // -- and back -----------------------------------------------------------------
 
-static void store_nodes(const void *ctx, int c, int j, int thread,
-                        const float *z)
+static void store_nodes(const void *ctx, int c, int j, const float *z)
 {
-    (void) thread;
     const struct gp_far_rows *const a = ctx;
     float *const to = a->grid[c] + (size_t) j * a->pitch;
     memcpy(to, z, (size_t) a->nodes_x * sizeof *to);

@@ -73,10 +73,9 @@ static gp_status run_pass(struct gp_pass *s, gp_task in_float,
                           gp_task in_double)
 {
     const struct gp_fft_request *const req = s->req;
-    s->arrays = s->kernel && !s->kernel->made ? 4 : 2;
-    gp_status st = gp_alloc(req->log, "transform",
-                            (size_t) s->arrays * gp_transform_room(s->t->n),
-                            (size_t) gp_threads(), &s->scratch);
+    gp_status st =
+        gp_alloc(req->log, "transform", 2 * gp_transform_room(s->t->n),
+                 (size_t) gp_threads(), &s->scratch);
     if (st)
         return st;
     gp_parallel_do(s->tasks * req->channels,
@@ -109,22 +108,23 @@ gp_status gp_fft_rows_in(const struct gp_fft_request *req, int rows,
 }
 
 gp_status gp_fft_make_kernel(const struct gp_fft_request *req,
-                             struct gp_fft_kernel *k)
+                             struct gp_fft_rows rows, double scale,
+                             struct gp_fft_matrix *m)
 {
     struct gp_pass s = {
         .req = req,
         .t = req->y,
-        .kernel = k,
-        .tasks = k->m.blocks,
+        .m = m,
+        .rows = rows,
+        .scale = scale,
+        .tasks = m->blocks,
     };
-    gp_status st = run_pass(&s, gp_float_make_kernel, gp_double_make_kernel);
-    k->made = !st;
-    return st;
+    return run_pass(&s, gp_float_make_kernel, gp_double_make_kernel);
 }
 
 gp_status gp_fft_multiply(const struct gp_fft_request *req,
                           struct gp_fft_rows rows,
-                          const struct gp_fft_kernel *kernel, int first,
+                          const struct gp_fft_matrix *kernel, int first,
                           int count, struct gp_fft_matrix *m)
 {
     struct gp_pass s = {

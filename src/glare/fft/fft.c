@@ -88,9 +88,8 @@ struct light_rows {
     const struct gp_sources *src;
     const struct gp_fft_placing *p;
     struct gp_planes *layer;
-    float centre[3], noise[3];  // of the kernel; samples up to it become 0
-    struct gp_layer_rest *rest; // or NULL
-    int *y;                     // of row j of light
+    float centre[3], noise[3]; // of the kernel; samples up to it become 0
+    int *y;                    // of row j of light
     int *lost; // by channel and row of the layer: samples up to noise
 };
 
@@ -116,10 +115,8 @@ GP_CLONES static int take_row(const float *restrict z, int n, float noise,
     return lost;
 }
 
-/* Output row j back to the layer, and with the rest: places start at the box's
- * corner, modulo nx. */
-static void store_layer_row(const void *ctx, int c, int j, int thread,
-                            const float *z)
+/* Output row j back to the layer: places start at the box's corner, modulo nx. */
+static void store_layer_row(const void *ctx, int c, int j, const float *z)
 {
     const struct light_rows *const r = ctx;
     const struct gp_fft_placing *const p = r->p;
@@ -135,23 +132,6 @@ static void store_layer_row(const void *ctx, int c, int j, int thread,
     memset(row + p->out.x1, 0, (size_t) (src->w - p->out.x1) * sizeof *row);
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
         row[src->x[i]] += src->rgb[c][i] * r->centre[c];
-    if (r->rest)
-        r->rest->add(r->rest->ctx, c * src->h + y, thread);
-}
-
-/* Row i of those of the layer that no light of the transform reaches: only the
- * rest. */
-static void store_dark_row(void *ctx, int i, int thread)
-{
-    const struct light_rows *const r = ctx;
-    const struct gp_rect *const out = &r->p->out;
-    const size_t w = (size_t) r->src->w;
-    const int y = i < out->y0 ? i : i + gp_rect_h(*out);
-    for (int c = 0; c < 3; c++) {
-        memset(r->layer->c[c] + (size_t) y * w, 0, w * sizeof(float));
-        if (r->rest)
-            r->rest->add(r->rest->ctx, c * r->src->h + y, thread);
-    }
 }
 
 /* Returns what counts as noise of a sample of channel c: so many deviations. In
@@ -187,8 +167,7 @@ static gp_status transform(const struct gp_glare_request *req,
 {
     gp_status st;
     const struct gp_sources *const src = req->src;
-    struct light_rows light = {.src = src, .p = p, .layer = req->layer,
-                               .rest = req->rest};
+    struct light_rows light = {.src = src, .p = p, .layer = req->layer};
     const int count = gp_rect_h(p->out), lit = gp_rect_h(p->in);
     const int first = gp_fft_wrap(p->out.y0 - p->in.y0, p->ny);
     struct gp_fft_rows rows = {0};
@@ -227,12 +206,14 @@ static gp_status transform(const struct gp_glare_request *req,
         struct gp_fft_matrix m = gp_fft_one_channel(&s->work, fft.channel);
         GP_TRY(gp_fft_find_spectrum(req, &fft, p, &s->spectrum));
         GP_TRY(gp_fft_rows_in(&fft, rows.n, load_light_row, &light, &m));
-        GP_TRY(gp_fft_multiply(&fft, rows, &s->spectrum.k, first, count, &m));
+        GP_TRY(gp_fft_multiply(&fft, rows, &s->spectrum.m, first, count, &m));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
-    gp_parallel_do(src->h - count, store_dark_row, &light);
-    if (req->rest)
-        req->rest->added = true;
+    const size_t w =
+        (size_t) src->w; // rows that no light of the transform reaches
+    gp_planes_clear(req->layer, 0, (size_t) p->out.y0 * w);
+    gp_planes_clear(req->layer, (size_t) p->out.y1 * w,
+                    (size_t) (src->h - p->out.y1) * w);
     for (int i = 0; i < 3 * src->h; i++) {
         const double noise = (double) light.noise[i / src->h];
         *dropped += light.lost[i] ? light.lost[i] * noise * noise : 0.0;

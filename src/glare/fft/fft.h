@@ -134,15 +134,13 @@ double gp_fft_most_noise(const struct gp_fft_placing *p,
 struct gp_fft_spectrum {
     unsigned long kernel; // serial
     struct gp_fft_placing placing;
-    bool in_double;
     int channel;            // that it is of; -1: of all, or grey
-    int *places;            // of its rows
-    struct gp_fft_kernel k; // scaled so that the passes need no more factors
+    struct gp_fft_matrix m; // scaled so that the passes need no more factors
 };
 void gp_fft_spectrum_free(struct gp_fft_spectrum *s);
 
 /* Makes *s the spectrum of the request's kernel for channel fft->channel, unless it
- * is; of a coloured kernel that no later frame takes, that channel's rows. */
+ * is; of a coloured kernel that no later frame takes, of that channel alone. */
 GP_MUST_CHECK gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
                                              const struct gp_fft_request *fft,
                                              const struct gp_fft_placing *p,

@@ -76,33 +76,26 @@ struct gp_fft_rows {
                       // place[0] on, modulo ny
 };
 
-/* A kernel: its rows, of gp_fft_rows_in(), or the spectrum that is made of them in
- * their place, times `scale`. Where m is real, row j >= 0 is at j, n <= ny / 2,
- * and row -j is row j from right to left: the rows of a real matrix are written
- * as those of a complex one with half as many points a block. */
-struct gp_fft_kernel {
-    struct gp_fft_matrix m; // one plane (grey), or the channels' own
-    struct gp_fft_rows rows;
-    double scale;
-    bool made; // m is the spectrum; else it is made with each pass
-};
-
-/* Makes the spectrum, of a matrix with room for ny points. */
+/* Makes a kernel's spectrum in place of its rows, of gp_fft_rows_in() in a matrix
+ * with room for ny points, times `scale`. Where m is real, row j >= 0 is at j,
+ * n <= ny / 2, and row -j is row j from right to left: the rows of a real matrix are
+ * written as those of a complex one with half as many points a block. */
 GP_MUST_CHECK gp_status gp_fft_make_kernel(const struct gp_fft_request *req,
-                                           struct gp_fft_kernel *k);
+                                           struct gp_fft_rows rows,
+                                           double scale,
+                                           struct gp_fft_matrix *m);
 
-/* Forward, times the kernel's spectrum, back, each block in place: of `rows`;
- * places first .. first + count (modulo ny) come out as rows [0, count). */
+/* Forward, times the kernel's spectrum (one plane for all, or the channels' own),
+ * back, each block in place: of `rows`; places first .. first + count (modulo ny)
+ * come out as rows [0, count). */
 GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
                                         struct gp_fft_rows rows,
-                                        const struct gp_fft_kernel *kernel,
+                                        const struct gp_fft_matrix *kernel,
                                         int first, int count,
                                         struct gp_fft_matrix *m);
 
-/* Row `j` of channel `c` from z[x], x in [0, nx), on a thread of
- * gp_parallel_do(). */
-typedef void (*gp_fft_store)(const void *ctx, int c, int j, int thread,
-                             const float *z);
+/* Row `j` of channel `c` from z[x], x in [0, nx). */
+typedef void (*gp_fft_store)(const void *ctx, int c, int j, const float *z);
 
 /* Transforms rows [0, rows) back; those after them in their lines are spoilt. */
 GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_request *req,
@@ -116,15 +109,15 @@ struct gp_pass {
     const struct gp_fft_request *req;
     const struct gp_transform *t; // of the lines that are transformed
     struct gp_fft_matrix *m;
-    const struct gp_fft_kernel *kernel;
+    const struct gp_fft_matrix *kernel;
     struct gp_fft_rows rows;
+    double scale;
     int tasks; // of one channel
     int first, count;
     gp_fft_load load;
     gp_fft_store store;
     const void *ctx;
-    int arrays; // of points, of each thread
-    char *scratch;
+    char *scratch; // of each thread: two arrays of points
 };
 
 /* Their tasks, task i % tasks of channel req->channel + i / tasks, in either

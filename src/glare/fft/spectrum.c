@@ -55,8 +55,7 @@ static bool is_even(const struct gp_kernel *k, const struct gp_rect *taps)
 
 void gp_fft_spectrum_free(struct gp_fft_spectrum *s)
 {
-    gp_fft_matrix_free(&s->k.m);
-    gp_free(s->places);
+    gp_fft_matrix_free(&s->m);
     *s = (struct gp_fft_spectrum) {0};
 }
 
@@ -68,8 +67,8 @@ gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
     const bool kept = k->serial && (k->grey || !req->params->last);
-    if (s->k.m.z[0] && gp_fft_is_of(s->kernel, k) &&
-        s->in_double == fft->in_double && s->placing.nx == p->nx &&
+    if (s->m.z[0] && gp_fft_is_of(s->kernel, k) &&
+        s->m.of.in_double == fft->in_double && s->placing.nx == p->nx &&
         s->placing.ny == p->ny &&
         memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0 &&
         (s->channel < 0 || s->channel == fft->channel))
@@ -78,37 +77,31 @@ gp_status gp_fft_find_spectrum(const struct gp_glare_request *req,
     const int n = even ? p->taps.y1 : gp_rect_h(p->taps);
     const struct making from = {k, p, even ? 0 : p->taps.y0};
     struct gp_fft_request planes = *fft;
+    int *places = NULL;
     gp_fft_spectrum_free(s);
     if (kept) {
         planes.channel = 0;
         planes.channels = k->grey ? 1 : 3;
     }
-    // (rows of a real matrix take as many points as are in two blocks)
     GP_TRY(gp_fft_matrix_make(req->log,
                               (struct gp_fft_numbers) {even, fft->in_double},
-                              planes.channels, p->nx,
-                              kept   ? p->ny
-                              : even ? 2 * n
-                                     : n,
-                              &s->k.m));
-    GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *s->places,
-                    &s->places));
+                              planes.channels, p->nx, p->ny, &s->m));
+    GP_TRY(
+        gp_alloc(req->log, "transform", (size_t) n, sizeof *places, &places));
     for (int j = 0; j < n; j++)
-        s->places[j] = gp_fft_wrap(from.first + j, p->ny);
-    s->k.rows = (struct gp_fft_rows) {n, s->places};
+        places[j] = gp_fft_wrap(from.first + j, p->ny);
+    struct gp_fft_matrix m =
+        kept ? s->m : gp_fft_one_channel(&s->m, fft->channel);
+    GP_TRY(gp_fft_rows_in(&planes, n, load_kernel_row, &from, &m));
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
-    s->k.scale = 0.25 / ((double) p->nx * p->ny);
-    struct gp_fft_matrix m =
-        kept ? s->k.m : gp_fft_one_channel(&s->k.m, fft->channel);
-    GP_TRY(gp_fft_rows_in(&planes, n, load_kernel_row, &from, &m));
-    if (kept)
-        GP_TRY(gp_fft_make_kernel(&planes, &s->k));
+    GP_TRY(gp_fft_make_kernel(&planes, (struct gp_fft_rows) {n, places},
+                              0.25 / ((double) p->nx * p->ny), &m));
     s->kernel = k->serial;
     s->placing = *p;
-    s->in_double = fft->in_double;
     s->channel = kept ? -1 : fft->channel;
 out:
+    gp_free(places);
     if (st)
         gp_fft_spectrum_free(s);
     return st;

@@ -400,8 +400,7 @@ struct task {
 static struct task open_task(const struct gp_pass *s, int i, int thread)
 {
     const size_t room = gp_transform_room(s->t->n);
-    char *const scratch =
-        s->scratch + (size_t) s->arrays * room * (size_t) thread;
+    char *const scratch = s->scratch + 2 * room * (size_t) thread;
     return (struct task) {
         s->req->channel + i / s->tasks,
         i % s->tasks,
@@ -462,47 +461,32 @@ GP_CLONES_WIDE static void scale(struct point *z, real by, int n)
         z[y] = (struct point) {z[y].re * by, z[y].im * by};
 }
 
-/* Makes a block of a kernel's spectrum of the block's rows: t->z, of a real one re
- * of all points, one after the other. */
-static void make_block(const struct gp_pass *s, const struct point *block,
-                       struct task *t)
-{
-    const struct gp_fft_kernel *const k = s->kernel;
-    const int n = s->t->n;
-    place_rows(&k->rows, n, block, t->z);
-    for (int y = 1; k->m.of.real && y < k->rows.n; y++)
-        t->z[n - y] = (struct point) {t->z[y].re, -t->z[y].im};
-    scale(transform(s, t), (real) k->scale, n);
-    for (int y = 0; k->m.of.real && y < n; y++)
-        ((lines *) t->z)[y] = t->z[y].re;
-}
-
+/* Of a real spectrum re of all points, one after the other. */
 void OF(make_kernel)(void *ctx, int i, int thread)
 {
     const struct gp_pass *const s = ctx;
-    const struct gp_fft_matrix *const m = &s->kernel->m;
     struct task t = open_task(s, i, thread);
-    struct point *const block = block_of(m, t.c, t.block);
-    make_block(s, block, &t);
+    const int n = s->t->n;
+    const bool real_only = s->m->of.real;
+    struct point *const block = block_of(s->m, t.c, t.block);
+    place_rows(&s->rows, n, block, t.z);
+    for (int y = 1; real_only && y < s->rows.n; y++)
+        t.z[n - y] = (struct point) {t.z[y].re, -t.z[y].im};
+    scale(transform(s, &t), (real) s->scale, n);
+    for (int y = 0; real_only && y < n; y++)
+        ((lines *) t.z)[y] = t.z[y].re;
     memcpy(block, t.z,
-           (m->of.real ? sizeof(lines) : sizeof *block) * (size_t) s->t->n);
+           (real_only ? sizeof(lines) : sizeof *block) * (size_t) n);
 }
 
 void OF(multiply)(void *ctx, int i, int thread)
 {
     const struct gp_pass *const s = ctx;
-    struct task t = open_task(s, i, thread), own = t;
+    struct task t = open_task(s, i, thread);
     const int n = s->t->n, upper = gp_min(s->count, n - s->first);
-    const struct gp_fft_kernel *const kernel = s->kernel;
-    const struct gp_fft_matrix *const m = &kernel->m;
+    const struct gp_fft_matrix *const m = s->kernel;
     struct point *const block = block_of(s->m, t.c, t.block);
-    const struct point *k = block_of(m, m->z[t.c] ? t.c : 0, t.block);
-    if (!kernel->made) {
-        own.z = t.z + 2 * gp_transform_room(n) / sizeof *t.z;
-        own.other = t.other + 2 * gp_transform_room(n) / sizeof *t.z;
-        make_block(s, k, &own);
-        k = own.z;
-    }
+    const struct point *const k = block_of(m, m->z[t.c] ? t.c : 0, t.block);
     place_rows(&s->rows, n, block, t.z);
     if (m->of.real)
         times_real(transform(s, &t), (const lines *) k, n);
@@ -531,7 +515,7 @@ void OF(rows_out)(void *ctx, int i, int thread)
     const size_t pitch = pitch_of(n);
     unweave(t.z, n, pitch, rows);
     for (int j = 0; j < ROWS && first + j < s->rows.n; j++)
-        s->store(s->ctx, t.c, first + j, thread, rows + (size_t) j * pitch);
+        s->store(s->ctx, t.c, first + j, rows + (size_t) j * pitch);
 }
 
 // -- of either precision ------------------------------------------------------

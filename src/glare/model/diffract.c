@@ -78,8 +78,7 @@ static void finish_columns(void *ctx, int block, int thread)
 }
 
 /* A row of samples, and without a path the one across the centre. */
-static void store_samples(const void *ctx, int c, int j, int thread,
-                          const float *z)
+static void store_samples(const void *ctx, int c, int j, const float *z)
 {
     const struct finishing *const f = ctx;
     const int n = f->t[0].n, rx = f->out->cx, ry = f->out->cy;
@@ -90,7 +89,6 @@ static void store_samples(const void *ctx, int c, int j, int thread,
     float *const to = f->out->k.c[f->c] + (size_t) (y + ry) * w;
     float *const other = f->out->k.c[f->c] + (size_t) (ry - y) * w;
     (void) c;
-    (void) thread;
     for (int x = f->first == 0 && y == 0 ? 0 : -rx; x <= rx; x++) {
         const double at = gp_hypot(f->pixel[0] * x, f->pixel[1] * y);
         const double window = across * gp_sinc((double) x / n);

@@ -119,12 +119,11 @@ static void divide_columns(void *ctx, int block, int thread)
             rows[y * POINT + i] = out[y * POINT + (i + LINES) % POINT];
 }
 
-static void store_row(const void *ctx, int c, int j, int thread, const float *z)
+static void store_row(const void *ctx, int c, int j, const float *z)
 {
     const struct dividing *const d = ctx;
     const float scale = (float) (0.5 / ((double) d->t[0].n * d->t[1].n));
     (void) c;
-    (void) thread;
     for (int x = 0; x < d->w; x++)
         d->plane[(size_t) j * (size_t) d->w + (size_t) x] = scale * z[x];
 }

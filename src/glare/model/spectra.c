@@ -177,13 +177,11 @@ static void correlate_columns(void *ctx, int block, int thread)
 }
 
 /* Lags (u, v) of one part. */
-static void store_lags(const void *ctx, int part, int v, int thread,
-                       const float *z)
+static void store_lags(const void *ctx, int part, int v, const float *z)
 {
     const struct correlator *const c = ctx;
     const struct lags *const a = c->a;
     float *const to = part ? a->im : a->re;
-    (void) thread;
     for (int u = -a->n; u <= a->n; u++)
         to[lag_at(a, u, v)] = z[u < 0 ? u + c->t.n : u];
 }

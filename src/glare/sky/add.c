@@ -469,8 +469,6 @@ static void finish_band(void *ctx, int band, int thread)
             float *const to = d->layer->c[c] + (size_t) y * (size_t) w;
             write_row(row + (size_t) c * wide, w, d->add, to);
             gp_sky_cut_row(a->sky, y, to);
-            if (d->rest)
-                d->rest(d->ctx, c * h + y, thread);
         }
     }
 }
@@ -591,9 +589,5 @@ gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
         own.add = true;
         memset(own.more, 0, sizeof own.more);
     }
-    if (sky->p.n)
-        return add_levels(log, sky, &own);
-    if (d->rest)
-        gp_parallel_do(3 * d->src->h, d->rest, d->ctx);
-    return GP_OK;
+    return sky->p.n ? add_levels(log, sky, &own) : GP_OK;
 }

@@ -310,7 +310,6 @@ static gp_status spread(const struct gp_log *log, struct adding *a,
     struct glarepp_layer_facts facts = {.bound = 1.0}; // not asked for
     struct gp_glare_params params = GP_GLARE_DEFAULTS;
     struct far far = {.to = &a->spread, .w = a->all[0].n, .h = a->all[1].n};
-    struct gp_layer_rest rest = {.add = add_far_row, .ctx = &far};
     struct gp_sources src = {0};
     gp_status st;
     params.last = last;
@@ -327,17 +326,16 @@ static gp_status spread(const struct gp_log *log, struct adding *a,
     if (only_far)
         gp_parallel_do(3, clear_plane, a);
     else
-        GP_TRY(gp_engine_fft.run(
-            &(struct gp_glare_request) {.log = log,
-                                        .params = &params,
-                                        .src = &src,
-                                        .kernel = k,
-                                        .layer = &a->spread,
-                                        .stats = &facts,
-                                        .rest = k->far ? &rest : NULL,
-                                        .far = kept->far},
-            &kept->fft));
-    if (k->far && !rest.added)
+        GP_TRY(
+            gp_engine_fft.run(&(struct gp_glare_request) {.log = log,
+                                                          .params = &params,
+                                                          .src = &src,
+                                                          .kernel = k,
+                                                          .layer = &a->spread,
+                                                          .stats = &facts,
+                                                          .far = kept->far},
+                              &kept->fft));
+    if (k->far)
         gp_parallel_do(3 * far.h, add_far_row, &far);
 out:
     gp_far_rows_free(&far.rows);

@@ -75,9 +75,6 @@ struct gp_sky_drawing {
                    // levels'
     bool last;     // no frame follows
     struct gp_cosines_kept **kept; // from frame to frame; NULL at first
-    gp_task rest; // runs for row i % h of channel i / h once it is written; or
-                  // NULL
-    void *ctx;
     struct gp_planes *layer;
 };
 

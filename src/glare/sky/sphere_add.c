@@ -49,13 +49,12 @@ static void load_row(const void *ctx, int c, int y, float *z)
         z[column_of(a->o, src->x[i])] = solid * src->rgb[c][i];
 }
 
-static void store_row(const void *ctx, int c, int y, int thread, const float *z)
+static void store_row(const void *ctx, int c, int y, const float *z)
 {
     const struct adding *const a = ctx;
     const struct gp_sources *const src = a->d->src;
     const int row = y - a->o->y0, w = src->w;
     const float by = 0.5f / (float) a->o->w;
-    (void) thread;
     if (row < 0 || row >= src->h)
         return;
     float *const to = a->d->layer->c[c] + (size_t) row * (size_t) w;
@@ -423,12 +422,9 @@ static void finish_band(void *ctx, int band, int thread)
             memset(line, 0, 3 * room * sizeof *line);
         for (int s = from; s < end && lit; s++)
             add_arc(a, row, s, light + (size_t) (s - top) * 3 * room, line);
-        for (size_t c = 0; c < 3; c++) {
+        for (size_t c = 0; c < 3; c++)
             finish_row(a, y, c, (float) o->own[row] + d->more[c],
                        line + c * room + o->margin, lit);
-            if (d->rest)
-                d->rest(d->ctx, (int) c * h + y, thread);
-        }
     }
 }
 
