@@ -93,18 +93,6 @@ static gp_status find_whole(const struct gp_log *log, struct gp_glare *g,
     return GP_OK;
 }
 
-static void halve_floor(struct gp_pixel_floor *floor, int times)
-{
-    floor->own = ldexp(floor->own, -times);
-    floor->dimmest = ldexp(floor->dimmest, -times);
-    floor->brightest = ldexp(floor->brightest, -times);
-    floor->negative = ldexp(floor->negative, -times);
-    for (int c = 0; c < 3; c++) {
-        floor->layer[c] = ldexp(floor->layer[c], -times);
-        floor->far[c] = ldexp(floor->far[c], -times);
-    }
-}
-
 /* Warns where the sum is long and a transform would not be: on a farm a slow
  * choice should be known before the hour is spent. */
 static void warn_of_hours(const struct gp_glare_request *req, const char *path)
@@ -172,7 +160,7 @@ static gp_status fit_range(const struct gp_log *log, struct drawing *d)
         d->req.kernel = &d->small;
     }
     if (of_light && !st) {
-        st = gp_sources_halve(log, d->src, of_light, &d->less);
+        st = gp_sources_scale(log, d->src, ldexp(1.0, -of_light), &d->less);
         d->req.src = &d->less;
     }
     return st;
@@ -195,7 +183,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
         whole.src = d->src;
         whole.kernel = d->kernel;
         GP_TRY(gp_pixel_floor_find(&whole, d->f, &floor));
-        halve_floor(&floor, d->times);
+        floor.times = d->times;
     }
     if (named < 0) {
         GP_TRY(gp_plan(req, g, d->path, &floor, out));
@@ -370,19 +358,6 @@ out:
     return st;
 }
 
-/* Copies the picture out of planes with a margin of `reach` pixels. */
-static void cut_planes(const struct gp_planes *from, int reach, int w, int h,
-                       struct gp_planes *to)
-{
-    const size_t wide = (size_t) w + 2 * (size_t) reach;
-    for (int c = 0; c < 3; c++) {
-        for (int y = 0; y < h; y++)
-            memcpy(to->c[c] + (size_t) y * (size_t) w,
-                   from->c[c] + (size_t) (y + reach) * wide + (size_t) reach,
-                   (size_t) w * sizeof(float));
-    }
-}
-
 gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
@@ -395,7 +370,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     struct gp_glare_params params = *p;
     struct gp_image wide = {.path = f->path};
     struct gp_sources taken = {0};
-    const int w = src->w, h = src->h;
+    const size_t w = (size_t) src->w, h = (size_t) src->h;
     const bool pixel = p->tolerance_pixel > 0.0f;
     memcpy(wide.luminance, f->luminance, sizeof wide.luminance);
     GP_TRY(gp_mirror(log, &p->edges, src, pixel ? &f->rgb : NULL, &m));
@@ -412,7 +387,11 @@ gp_status gp_glare_run(const struct gp_log *log,
     GP_TRY(run_picture(log, &params, g, &m.src, kernel, &wide, stats));
     if (!f->layer.c[0])
         GP_TRY(gp_planes_make(log, "layer", gp_image_pixels(f), &f->layer));
-    cut_planes(&wide.layer, m.reach, w, h, &f->layer);
+    for (size_t i = 0; i < 3 * h; i++) // without the margin
+        memcpy(f->layer.c[i / h] + i % h * w,
+               gp_row(wide.layer.c[i / h], m.src.w, m.reach + (int) (i % h)) +
+                   m.reach,
+               w * sizeof(float));
 out:
     gp_planes_free(&wide.layer);
     gp_sources_free(&taken);
@@ -434,14 +413,6 @@ void gp_glare_close(struct gp_glare *g)
 }
 
 // -- a kernel spread over a disc: the layer of a frame that is the disc -------
-
-gp_status gp_kernel_add_beyond(const struct gp_log *log,
-                               const struct gp_kernel *k,
-                               const struct gp_source *source, size_t n, int w,
-                               int h, struct gp_planes *layer)
-{
-    return gp_sky_add_beyond(log, k->sky, source, n, w, h, layer);
-}
 
 gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     int reach, const float *weight, struct gp_spread_kernel *out)

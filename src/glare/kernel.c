@@ -192,8 +192,7 @@ out:
  *   to(dx, dy) = bilinear(from, (cos * dx - sin * dy, sin * dx + cos * dy))
  * for whole offsets dx, dy from the centre, with zero outside. */
 struct rotating {
-    int w, h, cx, cy;
-    struct gp_planes k;
+    struct gp_kernel from;
     double cos, sin;
     const struct raw_kernel *to;
 };
@@ -218,7 +217,7 @@ static bool set_angle(float degrees, struct rotating *u)
 
 static double tap(const struct rotating *u, int c, int x, int y)
 {
-    return (double) gp_planes_at(&u->k, c, u->w, u->h, x, y);
+    return (double) gp_planes_at(&u->from.k, c, u->from.w, u->from.h, x, y);
 }
 
 static void rotate_row(void *ctx, int row, int thread)
@@ -228,8 +227,8 @@ static void rotate_row(void *ctx, int row, int thread)
     (void) thread;
     for (int i = 0; i < to->w; i++) {
         const int dx = i - to->cx, dy = row - to->cy;
-        const double x = u->cx + (u->cos * dx - u->sin * dy);
-        const double y = u->cy + (u->sin * dx + u->cos * dy);
+        const double x = u->from.cx + (u->cos * dx - u->sin * dy);
+        const double y = u->from.cy + (u->sin * dx + u->cos * dy);
         const int x0 = (int) floor(x), y0 = (int) floor(y);
         const double fx = x - x0, fy = y - y0;
         for (int c = 0; c < 3; c++) {
@@ -250,8 +249,9 @@ static gp_status rotate(const struct gp_log *log, struct rotating *u,
 {
     // whole offsets within the rotated corners of what bilinear sampling
     // reaches, one pixel around the samples; it is 0 on that line
-    const double xs[] = {-1.0 - u->cx, (double) u->w - u->cx};
-    const double ys[] = {-1.0 - u->cy, (double) u->h - u->cy};
+    const struct gp_kernel *const k = &u->from;
+    const double xs[] = {-1.0 - k->cx, (double) k->w - k->cx};
+    const double ys[] = {-1.0 - k->cy, (double) k->h - k->cy};
     double box[4] = {INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (int i = 0; i < 4; i++) {
         const double x = xs[i & 1], y = ys[i >> 1];
@@ -463,10 +463,9 @@ static gp_status make_rotated(const struct gp_log *log,
                               struct raw_kernel *raw, struct gp_kernel *out)
 {
     gp_status st;
-    struct gp_kernel flat = {0};
     struct raw_kernel t = {.name = raw->name, .owned = true,
                            .luminance = raw->luminance};
-    struct rotating u;
+    struct rotating u = {0};
     enum gp_normalize normalize = p->normalize;
     const bool right = set_angle(p->rotate, &u);
     const double down = p->scale > 0.0 ? p->scale : 1.0;
@@ -474,8 +473,7 @@ static gp_status make_rotated(const struct gp_log *log,
     const bool sized = down != 1.0 || across != 1.0;
     if (right && u.cos == 1.0 && !sized)
         return make_kernel(log, normalize, raw, out);
-    GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, raw, &flat));
-    u.w = flat.w, u.h = flat.h, u.cx = flat.cx, u.cy = flat.cy, u.k = flat.k;
+    GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, raw, &u.from));
     GP_TRY(rotate(log, &u, &t));
     if (sized) {
         GP_TRY(resample(log, across, down, &t));
@@ -485,10 +483,11 @@ static gp_status make_rotated(const struct gp_log *log,
         double factor;
         GP_TRY(sum_raw(log, &t, &all));
         GP_TRY(find_factor(log, &t, normalize, &all, &factor));
-        const size_t n = (size_t) u.w * (size_t) u.h;
-        for (size_t i = 0; i < 3 * n; i++)
-            u.k.c[i / n][i % n] =
-                (float) ((double) u.k.c[i / n][i % n] * factor);
+        const size_t n = (size_t) u.from.w * (size_t) u.from.h;
+        for (size_t i = 0; i < 3 * n; i++) {
+            float *const v = &u.from.k.c[i / n][i % n];
+            *v = (float) ((double) *v * factor);
+        }
         gp_planes_free(&t.in);
         GP_TRY(rotate(log, &u, &t));
         normalize = GP_NORMALIZE_NONE;
@@ -498,7 +497,7 @@ static gp_status make_rotated(const struct gp_log *log,
 out:
     if (t.owned)
         gp_planes_free(&t.in);
-    gp_kernel_free(&flat);
+    gp_kernel_free(&u.from);
     return st;
 }
 

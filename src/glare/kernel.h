@@ -98,7 +98,9 @@ static inline float gp_kernel_centre(const struct gp_kernel *k, int c)
 }
 
 /* Adds to the layer of a frame of w x h pixels what n sources beside it, of which places
- * count from its corner, light there by true angles; k->sky is not NULL. */
+ * count from its corner, light there by true angles; k->sky is not NULL. The farther a
+ * tile of pixels is, the larger are the groups of sources that count as one, so that a
+ * disc costs little more than a lamp. */
 GP_MUST_CHECK gp_status gp_kernel_add_beyond(const struct gp_log *log,
                                              const struct gp_kernel *k,
                                              const struct gp_source *source,

@@ -63,17 +63,12 @@ static const float *at_of(rows r, int i, const int way[2], int n)
     return r[REACH + n * way[1]] + (i + n * way[0]);
 }
 
-static float sample(rows r, int i, const int way[2], int n)
-{
-    return *at_of(r, i, way, n);
-}
-
 /* The step from sample i to a dark neighbour, less 1.5 times what the sample
  * before it differs: a slope that reaches 0 is no edge. */
 static double find_cut(rows r, int i, const int way[2])
 {
-    const float at = sample(r, i, way, 0), next = sample(r, i, way, 1);
-    const double before = (double) sample(r, i, way, -1);
+    const float at = *at_of(r, i, way, 0), next = *at_of(r, i, way, 1);
+    const double before = (double) *at_of(r, i, way, -1);
     if (!(next < 1e-3f * at))
         return 0.0;
     return (double) at - 1.5 * fabs(before - (double) at);
@@ -90,11 +85,11 @@ static double find_drop(rows r, int i, const int way[2], double least)
     const bool diagonal = way[0] && way[1];
     const int span = diagonal ? SPAN_DIAGONAL : SPAN;
     const int between = diagonal ? way[0] : 0; // samples between diagonals
-    const float at = sample(r, i, way, 0), end = sample(r, i, way, span);
+    const float at = *at_of(r, i, way, 0), end = *at_of(r, i, way, span);
     if (!((double) (at - end) > least))
         return 0.0;
-    const float before = fabsf(sample(r, i, way, -span) - at);
-    const float after = fabsf(end - sample(r, i, way, 2 * span));
+    const float before = fabsf(*at_of(r, i, way, -span) - at);
+    const float after = fabsf(end - *at_of(r, i, way, 2 * span));
     const double slope = 2.0 * (double) gp_maxf(before, after);
     float low = at, high = end;
     for (int n = 0; n <= 2 * span; n++) {

@@ -472,12 +472,7 @@ gp_status gp_sense(const struct gp_log *log,
         goto out;
     }
     // the list anew without light under FLT_MIN, which is rare
-    GP_TRY(gp_sources_make(log, &o, o.n, out));
-    for (int y = 0; y < o.h; y++) {
-        for (uint32_t i = o.row[y]; i < o.row[y + 1]; i++)
-            gp_sources_copy(&o, i, 1.0, o.x[i], y, out);
-    }
-    gp_sources_finish(out);
+    st = gp_sources_scale(log, &o, 1.0, out);
 out:
     gp_free(s.block);
     gp_free(s.dark);

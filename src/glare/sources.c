@@ -97,16 +97,17 @@ void gp_sources_free(struct gp_sources *s)
     *s = (struct gp_sources) {0};
 }
 
-gp_status gp_sources_halve(const struct gp_log *log,
-    const struct gp_sources *src, int times, struct gp_sources *out)
+gp_status gp_sources_scale(const struct gp_log *log,
+                           const struct gp_sources *src, double share,
+                           struct gp_sources *out)
 {
     gp_status st = gp_sources_make(log, src, src->n, out);
     if (st)
         return st;
-    out->darkest = ldexp(out->darkest, -times);
+    out->darkest *= share;
     for (int y = 0; y < src->h; y++) {
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
-            gp_sources_copy(src, i, ldexp(1.0, -times), src->x[i], y, out);
+            gp_sources_copy(src, i, share, src->x[i], y, out);
     }
     gp_sources_finish(out);
     return GP_OK;

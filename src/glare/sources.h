@@ -86,10 +86,11 @@ void gp_sources_copy(const struct gp_sources *src, uint32_t i, double share,
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
 
-/* The same sources and darkest, halved so many times. Written
- * only on GP_OK; free with gp_sources_free(). */
-GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
-    const struct gp_sources *src, int times, struct gp_sources *out);
+/* The same sources and darkest, times `share`. Written only on GP_OK; free with
+ * gp_sources_free(). */
+GP_MUST_CHECK gp_status gp_sources_scale(const struct gp_log *log,
+                                         const struct gp_sources *src,
+                                         double share, struct gp_sources *out);
 
 /* Joins `src` and `n` more sources; light of the same pixel is added.
  *

@@ -446,9 +446,10 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
     // the light of other pixels is Y less the own part, if none is negative
     const bool adds = !(f->negative > 0.0);
     for (int c = 0; c < 3; c++)
-        sum += gain * fabs(f->weight[c]) *
-               (e->of[c] + (adds ? 0.0 : e->relative * f->layer[c]) +
-                f->lost[c] + f->far[c]);
+        sum +=
+            gain * fabs(f->weight[c]) *
+            (ldexp(e->of[c], f->times) +
+             (adds ? 0.0 : e->relative * f->layer[c]) + f->lost[c] + f->far[c]);
     const double in_proportion =
         adds ? e->relative * (1.0 + fmax(-f->own, 0.0) / peak) : 0.0;
     return sum / dark + in_proportion + f->rounded;

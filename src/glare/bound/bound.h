@@ -29,6 +29,7 @@ struct gp_pixel_floor {
     double layer[3];       // largest sample
     double lost[3], far[3]; // error by values under FLT_MIN; of the far field
     double rounded;        // error of light from beyond the border, over Y
+    int times;             // that engines have the light halved
 };
 GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
     const struct gp_image *f, struct gp_pixel_floor *out);

@@ -176,8 +176,7 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
     const struct gp_fft_request fft = {
         .log = log,
-        .x = &s->pair[0],
-        .y = &s->pair[1],
+        .t = s->pair,
         .channels = channels,
     };
     const struct kernel_rows from = {t, nx};
@@ -416,8 +415,7 @@ static gp_status make_rows(const struct gp_log *log,
         places[j] = a->first + j;
     const struct gp_fft_request fft = {
         .log = log,
-        .x = &state->pair[0],
-        .y = &state->pair[1],
+        .t = state->pair,
         .channels = channels,
     };
     if (a->src) {

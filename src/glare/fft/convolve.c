@@ -97,7 +97,7 @@ gp_status gp_fft_rows_in(const struct gp_fft_request *req, int rows,
 {
     struct gp_pass s = {
         .req = req,
-        .t = req->x,
+        .t = &req->t[0],
         .m = m,
         .rows = {.n = rows},
         .load = load,
@@ -113,7 +113,7 @@ gp_status gp_fft_make_kernel(const struct gp_fft_request *req,
 {
     struct gp_pass s = {
         .req = req,
-        .t = req->y,
+        .t = &req->t[1],
         .m = m,
         .rows = rows,
         .scale = scale,
@@ -129,7 +129,7 @@ gp_status gp_fft_multiply(const struct gp_fft_request *req,
 {
     struct gp_pass s = {
         .req = req,
-        .t = req->y,
+        .t = &req->t[1],
         .m = m,
         .kernel = kernel,
         .rows = rows,
@@ -147,7 +147,7 @@ gp_status gp_fft_rows_out(const struct gp_fft_request *req,
     struct gp_fft_matrix from = *m;
     struct gp_pass s = {
         .req = req,
-        .t = req->x,
+        .t = &req->t[0],
         .m = &from,
         .rows = {.n = rows},
         .store = store,

@@ -175,8 +175,7 @@ static gp_status transform(const struct gp_glare_request *req,
     GP_TRY(find_pair(req, s, p, in_double));
     struct gp_fft_request fft = {
         .log = req->log,
-        .x = &s->pair[0],
-        .y = &s->pair[1],
+        .t = s->pair,
         .in_double = in_double,
         .channels = 1,
     };

@@ -47,9 +47,9 @@ struct gp_fft_matrix gp_fft_one_channel(const struct gp_fft_matrix *m, int c);
 /* State that the passes share. */
 struct gp_fft_request {
     const struct gp_log *log;
-    const struct gp_transform *x, *y; // of rows, of columns
-    bool in_double;                   // their precision, and all matrices'
-    int channel, channels;            // the first, and how many
+    const struct gp_transform *t; // of rows; then of columns, where these go
+    bool in_double;               // their precision, and all matrices'
+    int channel, channels;        // the first, and how many
 };
 
 /* Makes the transforms of a request: of lengths that gp_fft_length() gives.

@@ -533,7 +533,9 @@ static double noise(double t, uint64_t seed)
     return sum / 1.75;
 }
 
-double gp_pupil_hippus(double p, double t, double strength, uint64_t seed)
+/* Hippus: Ritschel et al. 2009, eq. 2, of a pupil of p mm at t seconds;
+ * `strength` scales its noise. */
+static double hippus(double p, double t, double strength, uint64_t seed)
 {
     const double by = PUPIL_MOST / p * sqrt(fmax(1.0 - p / PUPIL_MOST, 0.0));
     return fmin(fmax(p + strength * noise(t / p, seed) * by, 1.0), PUPIL_MOST);
@@ -654,9 +656,8 @@ static double temporal_pupil(const struct gp_recipe *r,
         p = gp_recipe_value(r, "formula") == WATSON
                 ? gp_pupil_watson(nits, area, gp_recipe_value(r, "age"))
                 : gp_pupil_moon_spencer(nits);
-    return gp_pupil_hippus(fmax(p, 1.0), f->frame / f->fps,
-                           gp_recipe_value(r, "hippus"),
-                           (uint64_t) gp_recipe_value(r, "seed"));
+    return hippus(fmax(p, 1.0), f->frame / f->fps, gp_recipe_value(r, "hippus"),
+                  (uint64_t) gp_recipe_value(r, "seed"));
 }
 
 static gp_status open_temporal(const struct gp_log *log,

@@ -117,8 +117,7 @@ static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
     };
     const struct gp_fft_request fft = {
         .log = log,
-        .x = &t[0],
-        .y = &t[1],
+        .t = t,
         .in_double = true,
         .channels = 1,
     };

@@ -219,10 +219,6 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
 double gp_pupil_moon_spencer(double nits);
 double gp_pupil_watson(double nits, double area, double age);
 
-/* Hippus: Ritschel et al. 2009, eq. 2, of a pupil of p mm at t seconds;
- * `strength` scales its noise in [-1, 1]. */
-double gp_pupil_hippus(double p, double t, double strength, uint64_t seed);
-
 // -- diffraction --------------------------------------------------------------
 
 /* sin(pi x) / (pi x) */

@@ -139,8 +139,7 @@ gp_status gp_nodes_divide(const struct gp_log *log, int w, int h, double nodes,
     GP_TRY(gp_fft_pair_make(log, nx, ny, false, d.t));
     const struct gp_fft_request fft = {
         .log = log,
-        .x = &d.t[0],
-        .y = &d.t[1],
+        .t = d.t,
         .channels = 1,
     };
     GP_TRY(

@@ -192,8 +192,7 @@ static gp_status correlate(const struct gp_log *log, struct correlator *c,
 {
     const struct gp_fft_request fft = {
         .log = log,
-        .x = &c->t,
-        .y = &c->t,
+        .t = &c->t,
         .channels = c->parts,
     };
     c->nm = nm;

@@ -158,10 +158,12 @@ static void add_tile(void *ctx, int i, int thread)
                                  gp_min(y + TILE, b->h)});
 }
 
-gp_status gp_sky_add_beyond(const struct gp_log *log, const struct gp_sky *sky,
-                            const struct gp_source *source, size_t n, int w,
-                            int h, struct gp_planes *layer)
+gp_status gp_kernel_add_beyond(const struct gp_log *log,
+                               const struct gp_kernel *k,
+                               const struct gp_source *source, size_t n, int w,
+                               int h, struct gp_planes *layer)
 {
+    const struct gp_sky *const sky = k->sky;
     struct beyond b = {
         .s = sky,
         .dx = 0.5 * (sky->p.w - w),

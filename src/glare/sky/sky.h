@@ -92,16 +92,6 @@ void gp_sky_own(const struct gp_sky *sky, int w, int h, int y, const int32_t *x,
 /* Leaves what is beyond a fisheye's rim dark, in a row of a layer. */
 void gp_sky_cut_row(const struct gp_sky *sky, int y, float *row);
 
-/* Adds to the layer of a frame of w x h pixels, in the middle of those that `sky` is for,
- * the light of n sources beside it, of which places count from its corner. The farther a
- * tile of pixels is, the larger are the groups of sources that count as one, so that a
- * disc costs little more than a lamp. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_sky_add_beyond(const struct gp_log *log,
-                                          const struct gp_sky *sky,
-                                          const struct gp_source *source,
-                                          size_t n, int w, int h,
-                                          struct gp_planes *layer);
-
 /* Limit of the error of gp_sky_exact() over the layer, of curves and means. */
 #define GP_SKY_EXACT 4e-6
 

@@ -437,7 +437,7 @@ gp_status gp_sky_sphere_add(const struct gp_log *log, const struct gp_sky *s,
     struct gp_fft_matrix m = {0};
     struct adding a = {.s = s, .o = o, .d = d, .m = &m};
     const struct gp_fft_request req = {
-        .log = log, .x = &o->around, .channels = 3};
+        .log = log, .t = &o->around, .channels = 3};
     gp_status st = GP_OK;
     for (int l = 1; l < o->levels; l++) { // one node beyond each pole
         a.at[l] = a.nodes + 1;

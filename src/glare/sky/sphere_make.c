@@ -274,7 +274,7 @@ static gp_status transform_pairs(const struct gp_log *log,
 {
     const struct gp_fft_request req = {
         .log = log,
-        .x = x,
+        .t = x,
         .channels = 1,
     };
     return gp_fft_rows_in(&req, (int) n, load_pair, t, m);

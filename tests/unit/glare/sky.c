@@ -547,7 +547,8 @@ static void light_comes_from_beside_the_frame(void **state)
             list[k].x -= MORE;
             list[k].y -= MORE;
         }
-        assert_ok(gp_sky_add_beyond(NULL, sky, list, n, W, H, &got));
+        assert_ok(gp_kernel_add_beyond(NULL, &(struct gp_kernel) {.sky = sky},
+                                       list, n, W, H, &got));
         double square = 0.0, norm = 0.0, most = 0.0;
         for (int k = 0; k < 3 * W * H; k++) {
             const int c = k / (W * H), x = k % W, y = k / W % H;
