@@ -31,14 +31,14 @@ struct cell {
 struct gp_beyond {
     int w, h, side;  // of the picture; of a cell, pixels
     int rows;        // of corners of cells, `side` pixels apart
-    float *b[3];     // rows * w each: b in these rows
+    struct gp_planes b; // rows * w: b in these rows
     double most;
 };
 
 void gp_beyond_free(struct gp_beyond **b)
 {
-    for (int c = 0; *b && c < 3; c++)
-        gp_free((*b)->b[c]);
+    if (*b)
+        gp_planes_free(&(*b)->b);
     GP_FREE(*b);
 }
 
@@ -221,7 +221,7 @@ static void see_row(void *ctx, int row, int thread)
             const float part = all[i] > 0.0f ? own[i] / all[i] : 0.0f;
             out[i] = r * r * r * (a->part ? part : 1.0f);
         }
-        fill_between(out, b->side, b->w, b->b[c] + (size_t) row * (size_t) b->w);
+        fill_between(out, b->side, b->w, gp_row(b->b.c[c], b->w, row));
     }
 }
 
@@ -259,15 +259,14 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
     b->side = side;
     b->rows = (s->h - 1) / side + 2;
     const int corners = (s->w - 1) / side + 2;
-    const size_t n = (size_t) b->rows * (size_t) s->w;
-    for (int c = 0; c < 3; c++)
-        GP_TRY(gp_alloc(log, "edges", n, sizeof *b->b[c], &b->b[c]));
+    GP_TRY(
+        gp_planes_make(log, "edges", (size_t) b->rows * (size_t) s->w, &b->b));
     GP_TRY(gp_alloc(log, "edges", (size_t) gp_threads() * 10 *
                     (size_t) corners, sizeof *sums, &sums));
     struct seeing seeing = {b, border.cell, cells, corners, own != s, sums};
     gp_parallel_do(b->rows, see_row, &seeing);
     for (int i = 0; i < 3 * b->rows; i++) {
-        const float *const row = b->b[i % 3] + (size_t) (i / 3) * (size_t) b->w;
+        const float *const row = gp_row(b->b.c[i % 3], b->w, i / 3);
         float most = row[b->w - 1];
         for (int x = 0; x < b->w; x += side) // linear between corners
             most = gp_maxf(most, row[x]);
@@ -284,8 +283,7 @@ out:
 
 // -- the share of the kernel that is outside ----------------------------------
 
-/* Sums of a kernel's samples over boxes: at (y, x) of those above and left,
- * h + 1 rows of `pitch`, w + 1, channel after channel. */
+/* Sums of a kernel's samples over boxes, channel after channel: gp_kernel_sums(). */
 struct box_sums {
     const struct gp_kernel *k;
     int channels; // 1 of a kernel that is grey, its far field too
@@ -308,19 +306,8 @@ static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
     };
     gp_status st = gp_alloc(log, "edges", (size_t) s->channels *
                             (size_t) (k->h + 1) * s->pitch, sizeof *s->at, &s->at);
-    for (int c = 0; !st && c < s->channels; c++) {
-        memset(box_row(s, c, 0), 0, s->pitch * sizeof(double));
-        for (int y = 0; y < k->h; y++) {
-            const float *const from = gp_row(k->k.c[c], k->w, y);
-            const double *const above = box_row(s, c, y);
-            double *const to = box_row(s, c, y + 1), sum = 0.0;
-            to[0] = 0.0;
-            for (int x = 0; x < k->w; x++) {
-                sum += (double) from[x];
-                to[x + 1] = above[x + 1] + sum;
-            }
-        }
-    }
+    for (int c = 0; !st && c < s->channels; c++)
+        gp_kernel_sums(k, c, false, box_row(s, c, 0));
     return st;
 }
 
@@ -346,7 +333,6 @@ struct gp_outside {
     float
         *weight; // three rows for each thread: w; the far field in the picture;
                  // what leaves it of the sky's
-    int *row;    // of each thread, whose the last is; -1: none's
 };
 
 /* Fills weight[x] with w in row y, but for the far field's. */
@@ -389,40 +375,49 @@ static double rest_of(const struct gp_kernel *k)
     return k->sky ? 0.0 : k->left_out;
 }
 
-GP_CLONES void gp_beyond_add_row(void *ctx, int i, int thread)
+/* Fills weight with w in row y of channel c. */
+GP_CLONES static void weigh_row(const struct gp_outside *o, int c, int y,
+                                int thread, const float *restrict outside,
+                                float *restrict weight)
 {
-    const struct gp_outside *const o = ctx;
-    const struct gp_beyond *const b = o->b;
     const struct gp_kernel *const k = o->sums.k;
-    const int c = i / b->h, y = i % b->h, from = c % o->sums.channels;
-    const size_t w = (size_t) b->w;
-    float *const weight = o->weight + (size_t) thread * 3 * w;
-    float *const inside = weight + w, *const outside = inside + w;
+    const int from = c % o->sums.channels, w = o->w;
     const double *const low = box_row(
-        &o->sums, from, kernel_from((long long) y - b->h + 1, k->cy, k->h));
+        &o->sums, from, kernel_from((long long) y - o->h + 1, k->cy, k->h));
     const double *const high =
         box_row(&o->sums, from, kernel_from((long long) y + 1, k->cy, k->h));
     const double all = box_row(&o->sums, from, k->h)[k->w];
-    find_weights(k, low, high, rest_of(k) + (all - (high[k->w] - low[k->w])),
-                 b->w, o->box + (size_t) thread * o->sums.pitch, weight);
-    if (k->sky) {
-        if (o->row[thread] != y)
-            gp_sky_outside_row(k->sky, y, outside);
-        o->row[thread] = y;
-        for (size_t x = 0; x < w; x++)
-            weight[x] += outside[x];
-    }
-    for (size_t x = 0; x < w && o->cosines.c[0]; x++)
-        weight[x] += o->cosines.c[c][(size_t) y * w + x];
+    float *const inside = weight + w;
+    find_weights(k, low, high, rest_of(k) + (all - (high[k->w] - low[k->w])), w,
+                 o->box + (size_t) thread * o->sums.pitch, weight);
+    for (int x = 0; x < w && k->sky; x++)
+        weight[x] += outside[x];
+    for (int x = 0; x < w && o->cosines.c[0]; x++)
+        weight[x] += gp_row(o->cosines.c[c], w, y)[x];
     if (o->far) {
         const float far = (float) k->far->sum[from];
         gp_far_row(o->far, from, y, thread, inside);
-        for (size_t x = 0; x < w; x++)
+        for (int x = 0; x < w; x++)
             weight[x] += far - inside[x];
     }
-    const float *const above = b->b[c] + (size_t) (y / b->side) * w;
-    add_light(o->layer->c[c] + (size_t) y * w, weight, above, above + w,
-              (float) (y % b->side) / (float) b->side, b->w);
+}
+
+void gp_beyond_add_row(void *ctx, int y, int thread)
+{
+    const struct gp_outside *const o = ctx;
+    const struct gp_beyond *const b = o->b;
+    const bool alike = o->sums.channels == 1 && !o->cosines.c[0];
+    float *const weight = o->weight + (size_t) thread * 3 * (size_t) b->w;
+    float *const outside = weight + 2 * b->w;
+    if (o->sums.k->sky)
+        gp_sky_outside_row(o->sums.k->sky, y, outside);
+    for (int c = 0; c < 3; c++) {
+        const float *const above = gp_row(b->b.c[c], b->w, y / b->side);
+        if (c == 0 || !alike)
+            weigh_row(o, c, y, thread, outside, weight);
+        add_light(gp_row(o->layer->c[c], b->w, y), weight, above, above + b->w,
+                  (float) (y % b->side) / (float) b->side, b->w);
+    }
 }
 
 void gp_outside_free(struct gp_outside **outside)
@@ -434,7 +429,6 @@ void gp_outside_free(struct gp_outside **outside)
         gp_free(o->sums.at);
         gp_free(o->box);
         gp_free(o->weight);
-        gp_free(o->row);
     }
     GP_FREE(*outside);
 }
@@ -477,8 +471,6 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
                     &o->box));
     GP_TRY(gp_alloc(log, "edges", threads * 3 * wide, sizeof *o->weight,
                     &o->weight));
-    GP_TRY(gp_alloc(log, "edges", threads, sizeof *o->row, &o->row));
-    memset(o->row, -1, threads * sizeof *o->row);
     if (k->far)
         GP_TRY(gp_far_flat(log, k->far, far, w, h, &o->far));
     GP_TRY(find_cosines(log, k, w, h, &o->cosines));
@@ -508,7 +500,6 @@ static void find_outer(void *ctx, int y, int thread)
                                          : gp_sky_outside(o->sky, x, y);
 }
 
-/* The plain form of gp_beyond_add_row(). */
 gp_status gp_beyond_add_exact(const struct gp_log *log,
     const struct gp_beyond *b, const struct gp_kernel *k, double *layer)
 {
@@ -533,8 +524,7 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
         const double *const low = box_row(&sums, from, y0);
         const double *const high = box_row(&sums, from, y1);
         const double all = box_row(&sums, from, k->h)[k->w];
-        const float *const above = b->b[c] + (size_t) (y / b->side) *
-                                                 (size_t) b->w;
+        const float *const above = gp_row(b->b.c[c], b->w, y / b->side);
         double *const out = layer + (size_t) i * (size_t) b->w;
         for (int x = 0; x < b->w; x++) {
             const int x0 = kernel_from((long long) x - b->w + 1, k->cx, k->w);

@@ -86,9 +86,9 @@ GP_MUST_CHECK gp_status gp_outside_find(const struct gp_log *log,
     struct gp_outside **outside);
 void gp_outside_free(struct gp_outside **outside);
 
-/* Adds w b to row i % h of channel i / h of the layer, i in [0, 3 h); a task of
- * gp_parallel_do(), whose ctx is what was found. */
-void gp_beyond_add_row(void *ctx, int i, int thread);
+/* Adds w b to row y of the layer; a task of gp_parallel_do(), whose ctx is what was
+ * found. */
+void gp_beyond_add_row(void *ctx, int y, int thread);
 
 /* The same in double, for the truth: k has no far field; 3 w h doubles. */
 GP_MUST_CHECK gp_status gp_beyond_add_exact(const struct gp_log *log,

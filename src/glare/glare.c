@@ -118,15 +118,16 @@ static int find_engine(const char *name)
 struct rest {
     struct gp_far_rows *far;   // or NULL
     struct gp_outside *beyond; // or NULL
+    int h;
 };
 
-static void add_rest(void *ctx, int i, int thread)
+static void add_rest(void *ctx, int y, int thread)
 {
     const struct rest *const r = ctx;
-    if (r->far)
-        gp_far_add_row(r->far, i, thread);
+    for (int c = 0; c < 3 && r->far; c++)
+        gp_far_add_row(r->far, c * r->h + y, thread);
     if (r->beyond)
-        gp_beyond_add_row(r->beyond, i, thread);
+        gp_beyond_add_row(r->beyond, y, thread);
 }
 
 /* A frame on its way to a layer. */
@@ -268,8 +269,8 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     struct gp_glare *const g = d->g;
     struct gp_glare_request *const req = &d->req;
     struct gp_far_rows *rows = NULL;
-    struct rest parts = {0};
     const int h = d->src->h;
+    struct rest parts = {.h = h};
     if (req->far) {
         GP_TRY(gp_far_find(log, d->kernel->far, g->far, req->src, &d->f->layer,
                            &rows));
@@ -285,14 +286,14 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     else
         GP_TRY(gp_engines[engine->engine]->run(req, &g->state[engine->engine]));
     if (parts.far || parts.beyond)
-        gp_parallel_do(3 * h, add_rest, &parts);
+        gp_parallel_do(h, add_rest, &parts);
     // an engine's bound is that of its own sum
     if (!(engine->bound > 0.0))
         req->stats->bound += req->floor;
     if (d->times) {
         double_layer(log, d->path, d->f, d->times, &req->stats->bound);
         if (d->beyond)
-            gp_parallel_do(3 * h, gp_beyond_add_row, g->outside);
+            gp_parallel_do(h, gp_beyond_add_row, g->outside);
     }
 out:
     gp_far_rows_free(&rows);

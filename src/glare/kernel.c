@@ -613,6 +613,24 @@ gp_status gp_kernel_of_planes(const struct gp_log *log, const char *name,
     return make_kernel(log, GP_NORMALIZE_NONE, &raw, out);
 }
 
+void gp_kernel_sums(const struct gp_kernel *k, int c, bool squares, double *to)
+{
+    const size_t pitch = (size_t) k->w + 1;
+    memset(to, 0, pitch * sizeof *to);
+    for (int y = 0; y < k->h; y++) {
+        const float *const from = gp_row(k->k.c[c], k->w, y);
+        const double *const above = to;
+        double sum = 0.0;
+        to += pitch;
+        to[0] = 0.0;
+        for (int x = 0; x < k->w; x++) {
+            const double v = (double) from[x];
+            sum += squares ? v * v : v;
+            to[x + 1] = above[x + 1] + sum;
+        }
+    }
+}
+
 void gp_kernel_free(struct gp_kernel *k)
 {
     gp_free(k->origin);

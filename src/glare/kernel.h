@@ -97,6 +97,19 @@ static inline float gp_kernel_centre(const struct gp_kernel *k, int c)
     return gp_planes_at(&k->k, c, k->w, k->h, k->cx, k->cy);
 }
 
+/* Sums samples of channel c over boxes, or their squares: at y (w + 1) + x of (h + 1)
+ * (w + 1) doubles those above and left of (x, y). */
+void gp_kernel_sums(const struct gp_kernel *k, int c, bool squares, double *to);
+
+/* The samples up to (x, y) from the centre, x and y under 2^30. */
+static inline struct gp_rect gp_kernel_around(const struct gp_kernel *k, int x,
+                                              int y)
+{
+    return gp_rect_meet(
+        (struct gp_rect) {0, 0, k->w, k->h},
+        (struct gp_rect) {k->cx - x, k->cy - y, k->cx + x + 1, k->cy + y + 1});
+}
+
 /* Adds to the layer of a frame of w x h pixels what n sources beside it, of which places
  * count from its corner, light there by true angles; k->sky is not NULL. The farther a
  * tile of pixels is, the larger are the groups of sources that count as one, so that a

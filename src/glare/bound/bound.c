@@ -186,26 +186,6 @@ static double together(const struct cells *b, const double *least)
     return sum;
 }
 
-/* Makes the integral image of squares: [(y + 1) * (w + 1) + x + 1] is the sum
- * up to sample (x, y). */
-static gp_status make_squares(const struct gp_log *log,
-    const struct gp_kernel *k, int c, double **out)
-{
-    const size_t pitch = (size_t) k->w + 1;
-    gp_status st = gp_alloc_zero(log, "bound", pitch * ((size_t) k->h + 1),
-                                 sizeof **out, out);
-    for (int y = 0; y < k->h && !st; y++) {
-        const float *const in = gp_row(k->k.c[c], k->w, y);
-        double *const to = *out + ((size_t) y + 1) * pitch;
-        double row = 0.0;
-        for (int x = 0; x < k->w; x++) {
-            row += (double) in[x] * (double) in[x];
-            to[x + 1] = to[(size_t) x + 1 - pitch] + row;
-        }
-    }
-    return st;
-}
-
 /* Sums squares over the sources' layers, each by itself, inside the frame. */
 static double alone(const struct gp_sources *src, const struct gp_kernel *k,
                     int c, const double *square)
@@ -247,12 +227,14 @@ gp_status gp_layer_least(const struct gp_log *log, const struct gp_sources *src,
     if (kernel->negative || !src->n)
         return GP_OK;
     GP_TRY(gp_alloc(log, "bound", n, sizeof *cell, &cell));
+    GP_TRY(gp_alloc(log, "bound",
+                    ((size_t) kernel->w + 1) * ((size_t) kernel->h + 1),
+                    sizeof *square, &square));
     for (int c = 0; c < 3; c++) {
         memset(cell, 0, n * sizeof *cell);
-        GP_TRY(make_squares(log, kernel, c, &square));
+        gp_kernel_sums(kernel, c, true, square);
         GP_TRY(add_least(log, &cells, kernel, c, src, 1.0, true, cell));
         all += fmax(alone(src, kernel, c, square), together(&cells, cell));
-        GP_FREE(square);
     }
     *least = sqrt(all) * SURE;
 out:

@@ -41,10 +41,7 @@ gp_status gp_taps_cut(const struct gp_log *log, const struct gp_kernel *k,
                       int rx, int ry, struct gp_taps *out)
 {
     // the cut, in kernel pixels; the centre may lie outside the kernel
-    const struct gp_rect cut = gp_rect_meet(
-        (struct gp_rect) {0, 0, k->w, k->h},
-        (struct gp_rect) {k->cx - rx, k->cy - ry, k->cx + rx + 1,
-                          k->cy + ry + 1});
+    const struct gp_rect cut = gp_kernel_around(k, rx, ry);
     struct gp_taps t = {
         .w = gp_rect_w(cut), .h = gp_rect_h(cut),
         .cx = k->cx - cut.x0, .cy = k->cy - cut.y0,

@@ -76,18 +76,6 @@ struct sampling {
     double *weight[2]; // of nodes -rx .. rx, -ry .. ry: pixels_of()
 };
 
-/* Beyond the offsets that frames meet the far field fades out over GP_FAR_FADE
- * steps, so that it has no edge: no frame shows that part, and the error of the
- * splines and the transform is that of a smooth function everywhere. */
-static gp_status make_fade(const struct gp_log *log, int r, double **out)
-{
-    gp_status st = gp_alloc(log, "tail", (size_t) r + 1, sizeof **out, out);
-    for (int i = 0; i <= r && !st; i++)
-        (*out)[i] = 1.0 - smooth_step((double) (i - (r - GP_FAR_FADE)) /
-                                      GP_FAR_FADE);
-    return st;
-}
-
 /* Samples the row of offset i - ry or, where samples are even, the right half
  * of that of offset i. */
 static void sample_row(void *ctx, int i, int thread)
@@ -208,14 +196,23 @@ static double pixels_of(int node, int step, int n)
     return sum;
 }
 
-/* Makes the weights of nodes -r .. r. */
-static gp_status make_weights(const struct gp_log *log, int r, int step, int n,
-                              double **out)
+/* Makes what an axis of offsets -r .. r needs, of frames of n pixels.
+ *
+ * Beyond the offsets that frames meet the far field fades out over GP_FAR_FADE
+ * steps, so that it has no edge: no frame shows that part, and the error of the
+ * splines and the transform is that of a smooth function everywhere. */
+static gp_status make_axis(const struct gp_log *log, int r, int step, int n,
+                           double **fade, double **weight)
 {
-    gp_status st =
-        gp_alloc(log, "tail", 2 * (size_t) r + 1, sizeof **out, out);
-    for (int i = 0; i <= 2 * r && !st; i++)
-        (*out)[i] = pixels_of(i - r, step, n);
+    gp_status st = gp_alloc(log, "tail", (size_t) r + 1, sizeof **fade, fade);
+    if (!st)
+        st = gp_alloc(log, "tail", 2 * (size_t) r + 1, sizeof **weight, weight);
+    for (int i = 0; i <= 2 * r && !st; i++) {
+        (*weight)[i] = pixels_of(i - r, step, n);
+        if (i <= r)
+            (*fade)[i] = 1.0 - smooth_step((double) (i - (r - GP_FAR_FADE)) /
+                                           GP_FAR_FADE);
+    }
     return st;
 }
 
@@ -256,10 +253,8 @@ gp_status gp_far_make(const struct gp_log *log,
         GP_TRY(gp_alloc(log, "tail", n, sizeof(double), &s.at[c]));
         GP_TRY(gp_alloc(log, "tail", n, sizeof(float), &t->c[c]));
     }
-    GP_TRY(make_fade(log, t->rx, &s.fade[0]));
-    GP_TRY(make_fade(log, t->ry, &s.fade[1]));
-    GP_TRY(make_weights(log, t->rx, split->step, w, &s.weight[0]));
-    GP_TRY(make_weights(log, t->ry, split->step, h, &s.weight[1]));
+    GP_TRY(make_axis(log, t->rx, split->step, w, &s.fade[0], &s.weight[0]));
+    GP_TRY(make_axis(log, t->ry, split->step, h, &s.fade[1], &s.weight[1]));
     gp_parallel_do(even ? t->ry + 1 : down, sample_row, &s);
     for (int c = 0; c < (grey ? 1 : 3); c++) {
         if (even)

@@ -118,7 +118,6 @@ static void sky_in_plane(const void *sky, double t, double out[3])
         out[c] *= angle * slope / t;
 }
 
-/* The shape of a profile of the sky: gp_radial_shape(). */
 gp_status gp_sky_shape(const struct gp_log *log, gp_profile p, const void *ctx,
                        int channels, double bends, const struct gp_field *f,
                        struct gp_shape *out)
@@ -416,7 +415,7 @@ static gp_status add_near(const struct gp_log *log, const struct needling *m,
             *sum += (double) *to;
         }
     }
-    gp_deposit_free(&d);
+    gp_free(d.v[0]);
     return GP_OK;
 }
 

@@ -133,8 +133,7 @@ struct gp_deposit {
     double *v[3]; // rows of 2 rx + 1; v[0] is owned
 };
 GP_MUST_CHECK gp_status gp_deposit_make(const struct gp_log *log, int channels,
-    int rx, int ry, struct gp_deposit *out);
-void gp_deposit_free(struct gp_deposit *d);
+                                        int rx, int ry, struct gp_deposit *out);
 void gp_deposit_add(const struct gp_deposit *d, double u, double v,
                     const double light[3]);
 

@@ -134,12 +134,6 @@ gp_status gp_deposit_make(const struct gp_log *log, int channels, int rx,
     return GP_OK;
 }
 
-void gp_deposit_free(struct gp_deposit *d)
-{
-    gp_free(d->v[0]);
-    *d = (struct gp_deposit) {0};
-}
-
 void gp_deposit_add(const struct gp_deposit *d, double u, double v,
                     const double light[3])
 {
@@ -174,7 +168,7 @@ void gp_deposit_row(const void *deposit, int x, int y, int n,
 
 static void free_deposit(void *state)
 {
-    gp_deposit_free(state);
+    gp_free(((struct gp_deposit *) state)->v[0]);
     gp_free(state);
 }
 

@@ -73,7 +73,7 @@ static void radial_row(const void *state, int x, int y, int n,
 static void free_radial(void *state)
 {
     struct radial_table *const t = state;
-    gp_deposit_free(&t->near);
+    gp_free(t->near.v[0]);
     gp_free(t->profile.value);
     gp_free(t->far.value);
     gp_free(t);

@@ -120,14 +120,8 @@ gp_status gp_blur_make(const struct gp_log *log, const struct gp_kernel *kernel,
     o = (struct gp_blur) {0};
 out:
     gp_free(b.buffer);
-    gp_blur_free(&o);
+    gp_planes_free(&o.k);
     return st;
-}
-
-void gp_blur_free(struct gp_blur *b)
-{
-    gp_planes_free(&b->k);
-    *b = (struct gp_blur) {0};
 }
 
 /* -- shrinking ------------------------------------------------------------- */
@@ -135,43 +129,36 @@ void gp_blur_free(struct gp_blur *b)
 gp_status gp_rings_make(const struct gp_log *log, const struct gp_kernel *k,
     struct gp_rect crop, bool hollow, struct gp_rings *out)
 {
-    gp_status st;
     struct gp_rings r = {0};
     if (!gp_rect_empty(crop))
         r.n = 1 + gp_max(gp_max(k->cx - crop.x0, crop.x1 - 1 - k->cx),
                          gp_max(k->cy - crop.y0, crop.y1 - 1 - k->cy));
     const size_t n = (size_t) r.n + 1;
-    GP_TRY(gp_alloc_zero(log, "rings", n, sizeof *r.peak, &r.peak));
-    for (int c = 0; c < 3; c++) {
-        GP_TRY(gp_alloc_zero(log, "rings", n, sizeof(double), &r.beyond[c]));
+    gp_status st =
+        gp_alloc_zero(log, "rings", 4 * n, sizeof(double), &r.beyond[0]);
+    if (st)
+        return st;
+    r.peak = r.beyond[0] + 3 * n;
+    for (size_t c = 0; c < 3; c++) {
+        r.beyond[c] = r.beyond[0] + c * n;
         for (int y = crop.y0; y < crop.y1; y++) {
             const float *const row = gp_row(k->k.c[c], k->w, y);
             for (int x = crop.x0; x < crop.x1; x++) {
                 const int d = gp_max(abs(x - k->cx), abs(y - k->cy));
+                const double size = fabs((double) row[x]);
                 if (hollow && d <= GP_MIDDLE_RADIUS)
                     continue; // drawn elsewhere
-                r.beyond[c][d] += fabs((double) row[x]);
-                r.peak[d] = gp_maxf(r.peak[d], fabsf(row[x]));
+                r.beyond[c][d] += size;
+                r.peak[d] = gp_maxd(r.peak[d], size);
             }
         }
         for (int i = r.n - 1; i >= 0; i--)
             r.beyond[c][i] += r.beyond[c][i + 1];
     }
     for (int i = r.n - 1; i >= 0; i--)
-        r.peak[i] = gp_maxf(r.peak[i], r.peak[i + 1]);
+        r.peak[i] = gp_maxd(r.peak[i], r.peak[i + 1]);
     *out = r;
-    r = (struct gp_rings) {0};
-out:
-    gp_rings_free(&r);
-    return st;
-}
-
-void gp_rings_free(struct gp_rings *r)
-{
-    gp_free(r->peak);
-    for (int c = 0; c < 3; c++)
-        gp_free(r->beyond[c]);
-    *r = (struct gp_rings) {0};
+    return GP_OK;
 }
 
 /* The light of polygons by bin. */
@@ -190,7 +177,7 @@ static int rings_kept(const struct gp_rings *r, int bin, double least)
     int low = 0, high = r->n; // the peaks fall
     while (low < high) {
         const int mid = (low + high) / 2;
-        if (light * (double) r->peak[mid] > least)
+        if (light * r->peak[mid] > least)
             low = mid + 1;
         else
             high = mid;
@@ -249,14 +236,14 @@ gp_status gp_shrink_make(const struct gp_log *log,
         uint32_t low = 0, high = 0x7f800000; // 0 leaves nothing out; Inf
         while (high - low > 1) {
             const uint32_t mid = low + (high - low) / 2;
-            memcpy(&s.least, &mid, sizeof s.least);
-            if (share_left_out(&r, left, &l, (double) s.least) <=
+            if (share_left_out(&r, left, &l,
+                               (double) gp_float_with_bits(mid)) <=
                 (double) p->shrink)
                 low = mid;
             else
                 high = mid;
         }
-        memcpy(&s.least, &low, sizeof s.least);
+        s.least = gp_float_with_bits(low);
         s.left_out = share_left_out(&r, left, &l, (double) s.least);
         for (int b = 0; b < GP_SOURCE_BINS; b++) {
             const int n = rings_kept(&r, b, (double) s.least);
@@ -266,7 +253,7 @@ gp_status gp_shrink_make(const struct gp_log *log,
     }
     *out = s;
 out:
-    gp_rings_free(&r);
+    gp_free(r.beyond[0]);
     gp_free(left);
     return st;
 }
@@ -316,6 +303,6 @@ gp_status gp_polygons_outline(const struct gp_log *log,
         }
     }
 out:
-    gp_polygons_free(&polygons);
+    gp_free(polygons.at);
     return st;
 }

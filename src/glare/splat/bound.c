@@ -26,16 +26,6 @@ static const double OWN_ROUNDINGS = 8.0;
  * sum is at most twice the root of their squares' sum. */
 static const double SHARED = 2.0;
 
-/* The kernel's samples up to (x, y) from its centre. */
-static struct gp_rect reaching(const struct gp_kernel *k, int x, int y)
-{
-    const long long cx = k->cx, cy = k->cy;
-    return (struct gp_rect) {
-        gp_clamp_wide(cx - x, 0, k->w), gp_clamp_wide(cy - y, 0, k->h),
-        gp_clamp_wide(cx + x + 1, 0, k->w), gp_clamp_wide(cy + y + 1, 0, k->h),
-    };
-}
-
 /* -- the error of groups --------------------------------------------------- */
 
 /* Sources less polygons, before either is spread. A polygon's light is set down
@@ -289,7 +279,8 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
         return GP_OK;
     for (size_t i = 0; i < polygons->n; i++)
         side = gp_max(side, polygons->at[i].side);
-    const struct gp_rect crop = reaching(kernel, src->w + side, src->h + side);
+    const struct gp_rect crop =
+        gp_kernel_around(kernel, src->w + side, src->h + side);
     GP_TRY(gp_layer_least(log, src, kernel, &least));
     if (side > 1) {
         GP_TRY(gp_blur_make(log, kernel,
@@ -323,7 +314,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
         *out = all / least * (1.0 + share) + share;
 out:
     gp_planes_free(&residue.d);
-    gp_blur_free(&drawn);
-    gp_rings_free(&rings);
+    gp_planes_free(&drawn.k);
+    gp_free(rings.beyond[0]);
     return st;
 }

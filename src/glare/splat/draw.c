@@ -64,12 +64,11 @@ gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
 {
     struct gp_splat_kernel *const o = &s->kernel[which];
     const bool middle = which == GP_SPLAT_MIDDLE;
-    const struct gp_rect around = {
-        k->cx - GP_MIDDLE_RADIUS, k->cy - GP_MIDDLE_RADIUS,
-        k->cx + GP_MIDDLE_RADIUS + 1, k->cy + GP_MIDDLE_RADIUS + 1,
-    };
     const struct gp_rect crop =
-        middle ? gp_rect_meet(around, s->crop) : s->crop;
+        middle ? gp_rect_meet(
+                     gp_kernel_around(k, GP_MIDDLE_RADIUS, GP_MIDDLE_RADIUS),
+                     s->crop)
+               : s->crop;
     if (o->texture.id || gp_rect_empty(crop))
         return GP_OK;
     struct gp_blur b = {0};
@@ -93,7 +92,7 @@ gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
         st = gp_gl_check(log, s->gl, "packing the kernel");
     if (st)
         gp_splat_drop_kernels(s);
-    gp_blur_free(&b);
+    gp_planes_free(&b.k);
     return st;
 }
 

@@ -200,12 +200,6 @@ gp_status gp_polygons_make(const struct gp_log *log,
 out:
     gp_free(g.cell);
     gp_free(g.group);
-    gp_polygons_free(&g.out);
+    gp_free(g.out.at);
     return st;
-}
-
-void gp_polygons_free(struct gp_polygons *p)
-{
-    gp_free(p->at);
-    *p = (struct gp_polygons) {0};
 }

@@ -77,11 +77,11 @@ struct gp_polygons {
  * with fx, fy the fractions of P0 - (M - 1) / 2; the smaller box on a tie,
  * and none over the cell's side.
  *
- *   out  written only on GP_OK; free with gp_polygons_free() */
+ *   out  written only on GP_OK; free out->at */
 GP_MUST_CHECK gp_status gp_polygons_make(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_splat_params *p,
-    struct gp_polygons *out);
-void gp_polygons_free(struct gp_polygons *p);
+                                         const struct gp_sources *src,
+                                         const struct gp_splat_params *p,
+                                         struct gp_polygons *out);
 
 /* -- the kernel ------------------------------------------------------------ */
 
@@ -98,26 +98,26 @@ struct gp_blur {
 /* Makes the kernel blurred by a box of side `side`, cut first to `crop` (in
  * kernel pixels), and without its middle when `hollow`: samples with both
  * |dx|, |dy| <= GP_MIDDLE_RADIUS from the kernel's centre count as 0.
- * Written only on GP_OK; free with gp_blur_free(). */
+ * Written only on GP_OK; free out->k. */
 GP_MUST_CHECK gp_status gp_blur_make(const struct gp_log *log,
-    const struct gp_kernel *kernel, struct gp_rect crop, bool hollow, int side,
-    struct gp_blur *out);
-void gp_blur_free(struct gp_blur *b);
+                                     const struct gp_kernel *kernel,
+                                     struct gp_rect crop, bool hollow, int side,
+                                     struct gp_blur *out);
 
 /* Samples of a kernel by square rings around its centre: ring d holds those with
  * max(|dx|, |dy|) = d. */
 struct gp_rings {
     int n;             // rings 0 .. n - 1 hold all of them
     double *beyond[3]; // n + 1 sums of magnitudes: of ring i and farther ones
-    float *peak;       // n + 1: largest magnitude of them, any channel
+    double *peak;      // n + 1: largest magnitude of them, any channel
 };
 
-/* Makes them of the samples in `crop`, without the middle when `hollow`. Free
- * with gp_rings_free(). */
+/* Makes them, in one block, of the samples in `crop`, without the middle when
+ * `hollow`. Free out->beyond[0]. */
 GP_MUST_CHECK gp_status gp_rings_make(const struct gp_log *log,
-    const struct gp_kernel *k, struct gp_rect crop, bool hollow,
-    struct gp_rings *out);
-void gp_rings_free(struct gp_rings *r);
+                                      const struct gp_kernel *k,
+                                      struct gp_rect crop, bool hollow,
+                                      struct gp_rings *out);
 
 /* Shrinking (Ando et al. 2007, section 4.3): a polygon of light L reaches as
  * far as L times the kernel is over `least` somewhere on the square ring at

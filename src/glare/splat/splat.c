@@ -28,14 +28,8 @@ enum {
  * where --kernel-center is far away. */
 static struct gp_rect crop_of(const struct gp_kernel *k, int w, int h, int side)
 {
-    const long long cx = k->cx, cy = k->cy;
     const int more = side > 1 ? side / 2 + 1 : 0; // half a box, and bilinear
-    return (struct gp_rect) {
-        gp_clamp_wide(cx - w - more + 1, 0, k->w),
-        gp_clamp_wide(cy - h - more + 1, 0, k->h),
-        gp_clamp_wide(cx + w + more, 0, k->w),
-        gp_clamp_wide(cy + h + more, 0, k->h),
-    };
+    return gp_kernel_around(k, w + more - 1, h + more - 1);
 }
 
 /* -- the layout's bound ---------------------------------------------------- */
@@ -129,7 +123,7 @@ static gp_status make_layout(const struct gp_glare_request *req,
     *out = o;
     o.polygons = (struct gp_polygons) {0};
 out:
-    gp_polygons_free(&o.polygons);
+    gp_free(o.polygons.at);
     return st;
 }
 
@@ -158,9 +152,7 @@ static void close_context(struct gp_splat *s)
 
 static void close_splat(void **state)
 {
-    struct gp_splat *const s = *state;
-    close_context(s);
-    gp_free(s->texel);
+    close_context(*state);
     GP_FREE(*state);
 }
 
@@ -171,9 +163,6 @@ gp_status gp_splat_open(const struct gp_log *log, void **state,
     if (!*state)
         GP_TRY(gp_alloc_zero(log, "splat", 1, sizeof(struct gp_splat), state));
     struct gp_splat *const s = *state;
-    if (!s->texel)
-        GP_TRY(gp_alloc(log, "splat", GP_SPLAT_TEXELS, 4 * sizeof(float),
-                        &s->texel));
     if (s->api != api)
         close_context(s);
     s->api = api;
@@ -247,7 +236,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     stats->bound = p->bound;
     stats->gl = gl->name;
 out:
-    gp_polygons_free(&layout.polygons);
+    gp_free(layout.polygons.at);
     gp_taps_free(&taps);
     return st;
 }

@@ -57,7 +57,6 @@ struct gp_splat {
     struct gp_texture sources;
     struct gp_buffer reaches; // of polygons, by gp_source_bin()
     struct gp_buffer entries; // of tiles
-    float *texel;             // GP_SPLAT_TEXELS on their way in or out
 
     // kernels of one serial and crop; where `hollow`, blurs lack the middle
     struct gp_splat_kernel kernel[GP_SPLAT_KERNELS];
@@ -65,6 +64,7 @@ struct gp_splat {
     unsigned long serial;
     struct gp_rect crop;
     bool hollow;
+    float texel[4 * GP_SPLAT_TEXELS]; // on their way in or out
 };
 
 /* Makes *state, unless it is there, and its context, which is current

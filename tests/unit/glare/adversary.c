@@ -5,6 +5,7 @@
  * ones, which are kept as rows, are over half of it: a bound divided by two
  * breaks one of them, and so does a term that is left out. */
 #include "unit.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/fft/fft.h"
 #include "glare/splat/splat_priv.h"
@@ -190,7 +191,7 @@ static double group_ratio(const struct gp_splat_params *p, struct scene *s)
     const double wrong = norm_of(layer, n);
     const double ratio = wrong / (bound * norm_of(s->exact, n));
     free(layer);
-    gp_polygons_free(&q);
+    gp_free(q.at);
     return wrong > 0.0 ? ratio : 0.0;
 }
 

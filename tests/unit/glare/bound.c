@@ -3,6 +3,7 @@
  * bound, and the bound is not far over it. Random frames, kernels and settings;
  * the layer of the polygons and the exact one both in double. */
 #include "unit.h"
+#include "core/memory.h"
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 #include "plain_groups.h"
@@ -124,7 +125,7 @@ static void measured_is_never_over_the_bound(void **state)
         // exact grouping leaves nothing to compare
         if (norm > 0.0 && wrong > 1e-6 * norm)
             ratio[n++] = bound * norm / wrong;
-        gp_polygons_free(&t.q);
+        gp_free(t.q.at);
         scene_free(&t.s);
     }
     qsort(ratio, n, sizeof *ratio, compare);

@@ -2,6 +2,7 @@
 /* glare/splat/group.c: formula (1), clusters, blurs; and that what is drawn of
  * a group is what was meant. */
 #include "unit.h"
+#include "core/memory.h"
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 #include "plain_groups.h"
@@ -183,7 +184,7 @@ static void all_as_the_naive_form(void **state)
         if (clusters != q.clusters || groups != q.groups)
             fail_msg("row %zu: %zu clusters and %zu groups in place of %zu "
                      "and %zu", i, q.clusters, q.groups, clusters, groups);
-        gp_polygons_free(&q);
+        gp_free(q.at);
         gp_sources_free(&s);
     }
 }
@@ -201,7 +202,7 @@ static void light_without_luminance_is_kept(void **state)
     assert_int_equal(q.n, 1);
     assert_true(q.at[0].x == 0.5f && q.at[0].y == 0.5f);
     assert_true(q.at[0].light == 0.0f && q.at[0].rgb[0] == 3.0f);
-    gp_polygons_free(&q);
+    gp_free(q.at);
     gp_sources_free(&s);
 }
 

@@ -119,7 +119,7 @@ static inline void plain_groups(const struct gp_sources *src,
     }
     gp_parallel_do(src->h, plain_groups_row, &d);
     for (int i = 0; i < GP_BLURS; i++)
-        gp_blur_free(&d.blur[i]);
+        gp_planes_free(&d.blur[i].k);
 }
 
 #endif

@@ -2,6 +2,7 @@
 /* Every form of drawing groups and clusters against the plain form in double,
  * and against each other. */
 #include "unit.h"
+#include "core/memory.h"
 #include "plain_groups.h"
 #include "splat_scene.h"
 
@@ -62,7 +63,7 @@ static struct drawn make_drawn(const struct form *f)
         gp_shrink_make(NULL, &d.s.k, &how, &polygons, &shrink))
         abort();
     plain_groups(&d.s.src, &d.s.k, &how, &polygons, &shrink, d.want);
-    gp_polygons_free(&polygons);
+    gp_free(polygons.at);
     return d;
 }
 
