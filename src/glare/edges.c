@@ -472,7 +472,7 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
     GP_TRY(gp_alloc(log, "edges", threads * 3 * wide, sizeof *o->weight,
                     &o->weight));
     if (k->far)
-        GP_TRY(gp_far_flat(log, k->far, far, w, h, &o->far));
+        GP_TRY(gp_far_find(log, k->far, far, NULL, w, h, NULL, &o->far));
     GP_TRY(find_cosines(log, k, w, h, &o->cosines));
     *outside = o;
     o = NULL;

@@ -75,9 +75,10 @@ struct gp_glare_request {
         *far; // of the kernel's far field, which the caller
               // adds; NULL: it has none
     double
-        beyond; // most light from beyond the border, on which the far field errs too;
-                // 0: none
-    bool exact;   // true angles are summed as they are defined, not by levels
+        beyond; // most light from beyond the border, on which the far field errs
+                // too; 0: none
+    bool in_double; // transforms are, by the plan
+    bool exact;     // true angles are summed as they are defined, not by levels
     double floor; // added to a bound of rel_l2: gp_error_floor_find()
 };
 

@@ -105,7 +105,6 @@ static void warn_of_hours(const struct gp_glare_request *req, const char *path)
                   path, s, req->src->n);
 }
 
-/* Returns the number of an engine; -1: none has the name. */
 static int find_engine(const char *name)
 {
     int i = 0;
@@ -142,7 +141,6 @@ struct drawing {
     struct gp_kernel small;
     int times;                      // that light and kernel were halved
     struct gp_beyond *beyond;
-    struct gp_glare_params params;
     struct gp_glare_request req;
 };
 
@@ -177,9 +175,9 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
     struct gp_glare_request *const req = &d->req;
     struct gp_glare *const g = d->g;
     *out = (struct gp_choice) {.engine = named,
-                               .in_double = d->params.in_double};
+                               .in_double = req->params->in_double};
     GP_TRY(gp_error_floor_find(req, &req->floor));
-    if (d->params.tolerance_pixel > 0.0f) {
+    if (req->params->tolerance_pixel > 0.0f) {
         struct gp_glare_request whole = *req; // as bright as the frame is
         whole.src = d->src;
         whole.kernel = d->kernel;
@@ -190,7 +188,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
         GP_TRY(gp_plan(req, g, d->path, &floor, out));
         req->stats->bound = out->bound;
     } else {
-        if (d->params.tolerance_pixel > 0.0f)
+        if (req->params->tolerance_pixel > 0.0f)
             GP_TRY(gp_plan_pixel(req, g, named, &floor, &out->pixel));
         if (gp_engines[named] == &gp_engine_direct)
             warn_of_hours(req, d->path);
@@ -201,7 +199,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
         req->kernel = d->drawn;
         req->far = NULL;
     }
-    d->params.in_double = out->in_double;
+    req->in_double = out->in_double;
     req->stats->engine = gp_engines[out->engine]->name;
     req->stats->bound_pixel = out->pixel;
 out:
@@ -255,7 +253,7 @@ static gp_status draw_sky(const struct gp_log *log,
                           .add = !alone,
                           .more = {stays[0], stays[1], stays[2]},
                           .layer = &d->f->layer,
-                          .last = d->params.last,
+                          .last = req->params->last,
                           .kept = &d->g->cosines,
                       });
 }
@@ -268,14 +266,11 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     gp_status st = GP_OK;
     struct gp_glare *const g = d->g;
     struct gp_glare_request *const req = &d->req;
-    struct gp_far_rows *rows = NULL;
     const int h = d->src->h;
     struct rest parts = {.h = h};
-    if (req->far) {
-        GP_TRY(gp_far_find(log, d->kernel->far, g->far, req->src, &d->f->layer,
-                           &rows));
-        parts.far = rows;
-    }
+    if (req->far)
+        GP_TRY(gp_far_find(log, d->kernel->far, g->far, req->src, d->src->w, h,
+                           &d->f->layer, &parts.far));
     if (d->beyond) {
         GP_TRY(gp_outside_find(log, d->drawn, d->drawn->far ? g->far : NULL,
                                d->beyond, &d->f->layer, &g->outside));
@@ -296,7 +291,7 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
             gp_parallel_do(h, gp_beyond_add_row, g->outside);
     }
 out:
-    gp_far_rows_free(&rows);
+    gp_far_rows_free(&parts.far);
     return st;
 }
 
@@ -309,19 +304,25 @@ static gp_status run_picture(const struct gp_log *log,
     gp_status st = GP_OK;
     struct gp_choice taken;
     const int named = find_engine(p->engine);
+    const struct gp_engine *const engine = named < 0 ? NULL : gp_engines[named];
+    const bool direct = engine == &gp_engine_direct;
     struct drawing d = {
-        .g = g, .src = src, .kernel = kernel, .drawn = kernel, .f = f,
-        .path = f->path ? f->path : "frame", .params = *p,
+        .g = g,
+        .src = src,
+        .kernel = kernel,
+        .drawn = kernel,
+        .f = f,
+        .path = f->path ? f->path : "frame",
     };
     *stats = (struct glarepp_layer_facts) {0};
     if (named < 0 && strcmp(p->engine, "auto") != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: no engine of this name; use auto, direct, fft or "
                        "splat", p->engine);
-    if (kernel->sky && named >= 0 && gp_engines[named] == &gp_engine_splat)
+    if (kernel->sky && engine == &gp_engine_splat)
         return gp_fail_at(log, GP_ERR_USAGE, "plan.projection",
-                          "%s: engine splat "
-                          "draws one shape everywhere, and by true angles it "
+                          "%s: engine splat draws one shape everywhere, and by "
+                          "true angles it "
                           "differs from place to place",
                           d.path);
     if (!f->layer.c[0])
@@ -332,20 +333,19 @@ static gp_status run_picture(const struct gp_log *log,
         gp_planes_clear(&f->layer, 0, gp_image_pixels(f));
         return GP_OK;
     }
-    if (kernel->far && named >= 0 && gp_engines[named] == &gp_engine_direct)
+    if (kernel->far && direct)
         GP_TRY(find_whole(log, g, kernel, src->w, src->h, &d.drawn));
     else if (kernel->far)
         GP_TRY(gp_far_open(log, kernel->far, &g->far));
     d.req = (struct gp_glare_request) {
         .log = log,
-        .params = &d.params,
+        .params = p,
         .src = src,
         .kernel = d.drawn,
         .far = d.drawn->far ? g->far : NULL,
         .layer = &f->layer,
         .stats = stats,
-        .exact =
-            kernel->sky && named >= 0 && gp_engines[named] == &gp_engine_direct,
+        .exact = kernel->sky && direct,
     };
     GP_TRY(fit_range(log, &d));
     GP_TRY(gp_beyond_find(log, &p->edges, &d.beyond));

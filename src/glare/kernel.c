@@ -398,7 +398,6 @@ static void resample_columns(void *ctx, int i, int thread)
     }
 }
 
-/* Sums of a plane's columns, and of its rows. */
 static void sum_lines(const float *in, int w, int h, double *column,
                       double *row)
 {

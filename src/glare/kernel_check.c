@@ -439,7 +439,6 @@ static void check_centroid(const struct gp_kernel_figures *f, bool resampled,
             "pixel (%.3g,%.3g); use an odd number of pixels", x, y);
 }
 
-/* Rules about all figures. */
 static void check_figures(const struct gp_kernel_figures *f,
     const struct gp_kernel_use *use, enum gp_kernel_rule rule,
     struct gp_fault *out)

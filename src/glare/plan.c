@@ -61,23 +61,19 @@ gp_status gp_plan_pixel(const struct gp_glare_request *req, struct gp_glare *g,
     return st;
 }
 
-/* Fills the bounds of a choice. */
 static gp_status find_bounds(const struct gp_glare_request *req,
     struct gp_glare *g, const struct gp_pixel_floor *floor, struct gp_choice *c)
 {
-    struct gp_glare_params params = *req->params;
     struct gp_glare_request asked = *req;
-    params.in_double = c->in_double;
-    asked.params = &params;
+    asked.in_double = c->in_double;
     gp_status st = gp_engines[c->engine]->bound(&asked, &g->state[c->engine],
                                                 &c->bound);
     c->bound += req->floor;
-    if (!st && params.tolerance_pixel > 0.0f)
+    if (!st && req->params->tolerance_pixel > 0.0f)
         st = gp_plan_pixel(&asked, g, c->engine, floor, &c->pixel);
     return st;
 }
 
-/* Tests whether a pixel's bound is over its tolerance. */
 static bool pixel_is_over(const struct gp_glare_params *p,
                           const struct gp_choice *c)
 {

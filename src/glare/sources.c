@@ -182,8 +182,7 @@ gp_status gp_sources_join(const struct gp_log *log,
         }
     }
     n = kept;
-    struct gp_sources all;
-    gp_status st = gp_sources_make(log, src, src->n + n, &all);
+    gp_status st = gp_sources_make(log, src, src->n + n, out);
     if (st)
         return st;
     size_t at = 0;
@@ -196,13 +195,12 @@ gp_status gp_sources_join(const struct gp_log *log,
             for (int k = 0; k < 3; k++)
                 rgb[k] = gp_minf((sx <= mx ? src->rgb[k][i] : 0.0f) +
                                  (mx <= sx ? more[at].rgb[k] : 0.0f), FLT_MAX);
-            gp_sources_add(&all, sx < mx ? sx : mx, y, rgb);
+            gp_sources_add(out, sx < mx ? sx : mx, y, rgb);
             i += sx <= mx;
             at += mx <= sx;
         }
     }
-    gp_sources_finish(&all);
-    *out = all;
+    gp_sources_finish(out);
     return GP_OK;
 }
 

@@ -176,7 +176,6 @@ static double position_index(struct gp_v3 axis, struct gp_v3 d)
     return fmin(gp_exp(a * 1e-3 * sigma + b * 1e-5 * sigma * sigma), 16.0);
 }
 
-/* Returns the cell of a direction. */
 static int cell_of(struct gp_v3 d)
 {
     const double v[3] = {d.x, d.y, d.z};

@@ -342,7 +342,6 @@ static double own_luminance(const struct floors *m, size_t x, size_t y,
     return sum;
 }
 
-/* Fills m->least and m->most of a row of cells. */
 static void bound_row(void *ctx, int row, int thread)
 {
     const struct floors *const m = ctx;

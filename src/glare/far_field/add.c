@@ -383,22 +383,32 @@ static void spread_flat(const struct gp_far_state *s, int step, int n,
     }
 }
 
-/* Makes rows of `like`. */
-static gp_status make_rows(const struct gp_log *log,
-    const struct gp_far_rows *like, struct gp_far_rows **out)
+gp_status gp_far_find(const struct gp_log *log, const struct gp_far_field *t,
+                      const struct gp_far_state *state,
+                      const struct gp_sources *src, int w, int h,
+                      struct gp_planes *layer, struct gp_far_rows **out)
 {
     gp_status st;
-    const struct gp_far_field *const t = like->t;
-    const struct gp_far_state *const state = like->s;
     struct gp_far_rows *a = NULL;
-    const int step = t->split.step, channels = like->src || !t->grey ? 3 : 1;
+    const int step = t->split.step, channels = src || !t->grey ? 3 : 1;
     struct gp_fft_matrix m = {0};
     int *places = NULL;
-    if (like->w > t->w || like->h > t->h)
-        return gp_fail_bare(log, GP_ERR_BUG, "glare: a kernel made for %dx%d "
-                            "pixels meets %dx%d", t->w, t->h, like->w, like->h);
+    if (w > t->w || h > t->h)
+        return gp_fail_bare(log, GP_ERR_BUG,
+                            "glare: a kernel made for %dx%d "
+                            "pixels meets %dx%d",
+                            t->w, t->h, w, h);
     GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *a, &a));
-    *a = *like;
+    *a = (struct gp_far_rows) {
+        .t = t,
+        .s = state,
+        .src = src,
+        .w = w,
+        .h = h,
+        .layer = layer,
+        .first = src ? src->box.y0 / step : 0,
+        .last = ((src ? src->box.y1 : h) - 1) / step + 1,
+    };
     a->nodes_x = gp_far_nodes(a->w, step);
     a->nodes_y = gp_far_nodes(a->h, step);
     a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
@@ -418,7 +428,7 @@ static gp_status make_rows(const struct gp_log *log,
         .t = state->pair,
         .channels = channels,
     };
-    if (a->src) {
+    if (src) {
         GP_TRY(gp_alloc(log, "tail", (size_t) (a->last - a->first) * TAPS * 3,
                         a->pitch * sizeof(float), &a->sums));
         gp_parallel_do(a->last - a->first, spread_step, a);
@@ -428,7 +438,7 @@ static gp_status make_rows(const struct gp_log *log,
         spread_flat(state, step, a->w, a->sums);
         spread_flat(state, step, a->h, a->sums + a->nodes_x);
     }
-    GP_TRY(gp_fft_rows_in(&fft, rows, a->src ? load_nodes : load_flat, a, &m));
+    GP_TRY(gp_fft_rows_in(&fft, rows, src ? load_nodes : load_flat, a, &m));
     GP_TRY(gp_fft_multiply(&fft, (struct gp_fft_rows) {rows, places},
                            &state->spectrum, 0, a->nodes_y, &m));
     GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
@@ -440,27 +450,4 @@ out:
     gp_free(places);
     gp_fft_matrix_free(&m);
     return st;
-}
-
-gp_status gp_far_find(const struct gp_log *log, const struct gp_far_field *t,
-    const struct gp_far_state *state, const struct gp_sources *src,
-    struct gp_planes *layer, struct gp_far_rows **out)
-{
-    const int step = t->split.step;
-    const struct gp_far_rows like = {
-        .t = t, .s = state, .src = src, .w = src->w, .h = src->h,
-        .layer = layer,
-        .first = src->box.y0 / step, .last = (src->box.y1 - 1) / step + 1,
-    };
-    return make_rows(log, &like, out);
-}
-
-gp_status gp_far_flat(const struct gp_log *log, const struct gp_far_field *t,
-    const struct gp_far_state *state, int w, int h, struct gp_far_rows **out)
-{
-    const struct gp_far_rows like = {
-        .t = t, .s = state, .w = w, .h = h,
-        .last = (h - 1) / t->split.step + 1,
-    };
-    return make_rows(log, &like, out);
 }

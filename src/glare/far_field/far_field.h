@@ -123,25 +123,23 @@ double gp_far_pixel_error(const struct gp_far_state *s,
 /* The far field of one frame's sources, found on the grid. */
 struct gp_far_rows;
 
-/* Finds the far field of the sources, one at least, for a layer of src->w *
- * src->h, at most t->w * t->h. `state` is open for t; it, the sources and the
- * layer are borrowed. Free with gp_far_rows_free().
+/* Finds the far field of the sources, one at least, or of light 1 in every pixel where
+ * `src` is NULL, for a layer of w * h, at most t->w * t->h. `state` is open for t; it,
+ * the sources and the layer are borrowed. Free with gp_far_rows_free().
  * Errors: GP_ERR_BUG out of memory, a larger frame. */
 GP_MUST_CHECK gp_status gp_far_find(const struct gp_log *log,
-    const struct gp_far_field *t, const struct gp_far_state *state,
-    const struct gp_sources *src, struct gp_planes *layer,
-    struct gp_far_rows **out);
+                                    const struct gp_far_field *t,
+                                    const struct gp_far_state *state,
+                                    const struct gp_sources *src, int w, int h,
+                                    struct gp_planes *layer,
+                                    struct gp_far_rows **out);
 /* Adds it to row i % h of channel i / h of the layer, i in [0, 3 h), of which no
  * sample becomes negative; a task of gp_parallel_do(), whose ctx are the
  * rows. */
 void gp_far_add_row(void *ctx, int i, int thread);
 void gp_far_rows_free(struct gp_far_rows **rows);
 
-/* The far field of light 1 in every pixel of w * h; as gp_far_find(). */
-GP_MUST_CHECK gp_status gp_far_flat(const struct gp_log *log,
-    const struct gp_far_field *t, const struct gp_far_state *state, int w, int h,
-    struct gp_far_rows **out);
-/* Sets `row` to it in row y of channel c. */
+/* Sets `row` to the far field in row y of channel c. */
 void gp_far_row(const struct gp_far_rows *rows, int c, int y, int thread,
                 float *row);
 

@@ -59,10 +59,8 @@ double gp_far_share(const struct gp_far_split *s, int x, int y)
 
 void gp_far_free(struct gp_far_field *t)
 {
-    if (!t)
-        return;
-    for (int c = 0; c < 3; c++)
-        gp_free(t->c[c]);
+    if (t)
+        gp_free(t->c[0]);
     gp_free(t);
 }
 
@@ -249,9 +247,12 @@ gp_status gp_far_make(const struct gp_log *log,
     s.t = t;
     const int across = 2 * t->rx + 1, down = 2 * t->ry + 1;
     const size_t n = (size_t) across * (size_t) down;
-    for (int c = 0; c < (grey ? 1 : 3); c++) {
-        GP_TRY(gp_alloc(log, "tail", n, sizeof(double), &s.at[c]));
-        GP_TRY(gp_alloc(log, "tail", n, sizeof(float), &t->c[c]));
+    const size_t channels = grey ? 1 : 3;
+    GP_TRY(gp_alloc(log, "tail", channels * n, sizeof(double), &s.at[0]));
+    GP_TRY(gp_alloc(log, "tail", channels * n, sizeof(float), &t->c[0]));
+    for (size_t c = 1; c < channels; c++) {
+        s.at[c] = s.at[0] + c * n;
+        t->c[c] = t->c[0] + c * n;
     }
     GP_TRY(make_axis(log, t->rx, split->step, w, &s.fade[0], &s.weight[0]));
     GP_TRY(make_axis(log, t->ry, split->step, h, &s.fade[1], &s.weight[1]));
@@ -275,8 +276,7 @@ gp_status gp_far_make(const struct gp_log *log,
     *out = t;
     t = NULL;
 out:
-    for (int c = 0; c < 3; c++)
-        gp_free(s.at[c]);
+    gp_free(s.at[0]);
     for (int i = 0; i < 2; i++) {
         gp_free(s.fade[i]);
         gp_free(s.weight[i]);

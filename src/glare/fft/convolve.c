@@ -68,7 +68,6 @@ void gp_fft_pair_free(struct gp_transform pair[2])
     gp_transform_free(&pair[1]);
 }
 
-/* Runs the tasks of a pass in its precision. */
 static gp_status run_pass(struct gp_pass *s, gp_task in_float,
                           gp_task in_double)
 {
@@ -84,7 +83,6 @@ static gp_status run_pass(struct gp_pass *s, gp_task in_float,
     return GP_OK;
 }
 
-/* Tasks of so many rows. */
 static int row_tasks(const struct gp_fft_request *req, int rows)
 {
     const int block = 2 * lines_of(req->in_double);

@@ -13,8 +13,10 @@
 
 /* Kept from frame to frame; each part is made anew when its key differs. */
 struct fft_state {
+    struct gp_fft_placing p; // of the frame; nx is 0 when no light reaches it
+    bool in_double;          // it is
     struct gp_transform pair[2]; // of x and y
-    bool in_double;              // these are
+    bool pair_in_double;
     struct gp_fft_spectrum spectrum;
     struct gp_fft_matrix work; // of one channel: three leave the cache; empty
                                // between frames
@@ -58,7 +60,6 @@ GP_CLONES static void add_norms(const float *v, size_t n, double out[3])
     }
 }
 
-/* The norms of what is transformed of k. */
 static struct gp_fft_norms norms_of(const struct gp_kernel *k)
 {
     struct gp_fft_norms o;
@@ -138,45 +139,43 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
  * double they are nothing, and more of them keep black what no light reaches, but
  * for one sample in a million. */
 static double noise_of(const struct gp_glare_request *req,
-                       const struct gp_fft_placing *p,
-                       const struct gp_fft_norms *k, bool in_double, int c)
+                       const struct fft_state *s, int c)
 {
     static const double LEFT_OUT = 4.0, IN_DOUBLE = 32.0;
-    return (in_double ? IN_DOUBLE : LEFT_OUT) * gp_fft_rounding(in_double) *
-           gp_fft_noise(p, req->src, k, c);
+    return (s->in_double ? IN_DOUBLE : LEFT_OUT) *
+           gp_fft_rounding(s->in_double) *
+           gp_fft_noise(&s->p, req->src, &s->norms, c, false);
 }
 
-/* Makes the transforms of a frame's lengths, unless the state has them. */
-static gp_status find_pair(const struct gp_glare_request *req,
-                           struct fft_state *s, const struct gp_fft_placing *p,
-                           bool in_double)
+/* Makes the transforms of the frame's lengths, unless the state has them. */
+static gp_status find_pair(const struct gp_log *log, struct fft_state *s)
 {
-    if (s->pair[1].root && s->pair[0].n == p->nx && s->pair[1].n == p->ny &&
-        s->in_double == in_double)
+    if (s->pair[1].root && s->pair[0].n == s->p.nx && s->pair[1].n == s->p.ny &&
+        s->pair_in_double == s->in_double)
         return GP_OK;
     gp_fft_pair_free(s->pair);
-    s->in_double = in_double;
-    return gp_fft_pair_make(req->log, p->nx, p->ny, in_double, s->pair);
+    s->pair_in_double = s->in_double;
+    return gp_fft_pair_make(log, s->p.nx, s->p.ny, s->in_double, s->pair);
 }
 
 /* Transforms the sources with the kernel into the layer. *dropped is the most that
  * became black, its sum of squares. */
 static gp_status transform(const struct gp_glare_request *req,
-                           struct fft_state *s, const struct gp_fft_placing *p,
-                           bool in_double, double *dropped)
+                           struct fft_state *s, double *dropped)
 {
     gp_status st;
+    const struct gp_fft_placing *const p = &s->p;
     const struct gp_sources *const src = req->src;
     struct light_rows light = {.src = src, .p = p, .layer = req->layer};
     const int count = gp_rect_h(p->out), lit = gp_rect_h(p->in);
     const int first = gp_fft_wrap(p->out.y0 - p->in.y0, p->ny);
     struct gp_fft_rows rows = {0};
     int *place = NULL;
-    GP_TRY(find_pair(req, s, p, in_double));
+    GP_TRY(find_pair(req->log, s));
     struct gp_fft_request fft = {
         .log = req->log,
         .t = s->pair,
-        .in_double = in_double,
+        .in_double = s->in_double,
         .channels = 1,
     };
     GP_TRY(
@@ -192,15 +191,13 @@ static gp_status transform(const struct gp_glare_request *req,
     for (int c = 0; c < 3; c++) {
         light.centre[c] = gp_kernel_centre(req->kernel, c);
         light.noise[c] =
-            req->kernel->negative
-                ? -INFINITY
-                : (float) noise_of(req, p, &s->norms, in_double, c);
+            req->kernel->negative ? -INFINITY : (float) noise_of(req, s, c);
     }
     GP_TRY(gp_alloc_zero(req->log, "transform", 3 * (size_t) src->h,
                          sizeof *light.lost, &light.lost));
-    GP_TRY(gp_fft_matrix_make(req->log,
-                              (struct gp_fft_numbers) {.in_double = in_double},
-                              1, p->nx, gp_max(rows.n, count), &s->work));
+    GP_TRY(gp_fft_matrix_make(
+        req->log, (struct gp_fft_numbers) {.in_double = s->in_double}, 1, p->nx,
+        gp_max(rows.n, count), &s->work));
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
         struct gp_fft_matrix m = gp_fft_one_channel(&s->work, fft.channel);
         GP_TRY(gp_fft_find_spectrum(req, &fft, p, &s->spectrum));
@@ -230,14 +227,14 @@ out:
 /* Tests whether the noise of transforms in float would be seen: where the largest
  * error of a pixel is over the share of the darkest light that may be wrong. */
 static bool is_seen(const struct gp_glare_request *req,
-                    const struct gp_fft_placing *p, const struct fft_state *s)
+                    const struct fft_state *s)
 {
     const struct gp_sources *const src = req->src;
     const double own = gp_sources_dark(src), gain = (double) req->params->gain;
     double noise = 0.0, glare = INFINITY;
     for (int c = 0; c < 3; c++) {
         noise += (double) src->luminance[c] *
-                 gp_fft_most_noise(p, src, &s->norms, c);
+                 gp_fft_noise(&s->p, src, &s->norms, c, true);
         if (req->kernel->far && src->flux[c] > 0.0)
             glare = fmin(glare, src->flux[c] * req->kernel->far->least);
     }
@@ -246,15 +243,9 @@ static bool is_seen(const struct gp_glare_request *req,
     return !(gain * gp_fft_rounding(false) * noise <= limit);
 }
 
-/* What is known of a frame before it is transformed. */
-struct frame {
-    struct gp_fft_placing p; // nx is 0 when no light reaches the frame
-    bool in_double;
-};
-
 /* Opens the state, places the sources, and chooses the precision. */
 static gp_status open_frame(const struct gp_glare_request *req, void **state,
-                            struct frame *out)
+                            struct fft_state **out)
 {
     const struct gp_kernel *const k = req->kernel;
     const struct gp_sources *const src = req->src;
@@ -264,8 +255,8 @@ static gp_status open_frame(const struct gp_glare_request *req, void **state,
         if (st)
             return st;
     }
-    struct fft_state *const s = *state;
-    *out = (struct frame) {.p = gp_fft_place(src, k)};
+    struct fft_state *const s = *out = *state;
+    s->p = gp_fft_place(src, k);
     if (!gp_fft_is_of(s->kernel, k) || s->w != src->w || s->h != src->h) {
         s->norms = norms_of(k);
         gp_fft_find_quarters(k, src->w, src->h, &s->quarters);
@@ -273,8 +264,8 @@ static gp_status open_frame(const struct gp_glare_request *req, void **state,
         s->w = src->w;
         s->h = src->h;
     }
-    out->in_double =
-        out->p.nx && (req->params->in_double || is_seen(req, &out->p, s));
+    s->in_double = s->p.nx && (req->params->in_double || req->in_double ||
+                               is_seen(req, s));
     return GP_OK;
 }
 
@@ -284,12 +275,11 @@ static const double OUTSIDE = 0x3p-24;
 
 /* Bounds rel_l2, where the layer's norm is at least `least`. */
 static double bound_of(const struct gp_glare_request *req,
-                       const struct frame *f, const struct fft_state *s,
-                       double least)
+                       const struct fft_state *s, double least)
 {
-    return !f->p.nx ? 0.0
-                    : gp_fft_rounding(f->in_double) *
-                              gp_fft_bound(req->src, &s->norms, least, &f->p) +
+    return !s->p.nx ? 0.0
+                    : gp_fft_rounding(s->in_double) *
+                              gp_fft_bound(req->src, &s->norms, least, &s->p) +
                           OUTSIDE;
 }
 
@@ -299,63 +289,60 @@ static double bound_of(const struct gp_glare_request *req,
 static gp_status bound_fft(const struct gp_glare_request *req, void **state,
                            double *out)
 {
-    struct frame f;
+    struct fft_state *s;
     double least;
-    gp_status st = open_frame(req, state, &f);
+    gp_status st = open_frame(req, state, &s);
     if (st)
         return st;
-    struct fft_state *const s = *state;
     const double anywhere = gp_fft_least(req->src, &s->quarters);
-    *out = bound_of(req, &f, s, anywhere);
+    *out = bound_of(req, s, anywhere);
     if (*out <= (double) req->params->tolerance || req->kernel->negative)
         return GP_OK;
     st = gp_layer_least(req->log, req->src, req->kernel, &least);
     if (!st)
-        *out = bound_of(req, &f, s, fmax(least, anywhere));
+        *out = bound_of(req, s, fmax(least, anywhere));
     return st;
 }
 
 static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
                            struct gp_pixel_error *out)
 {
-    struct frame f;
-    gp_status st = open_frame(req, state, &f);
+    struct fft_state *s;
+    gp_status st = open_frame(req, state, &s);
     if (st)
         return st;
-    struct fft_state *const s = *state;
     *out = (struct gp_pixel_error) {
         .relative = req->kernel->negative ? INFINITY : OUTSIDE,
     };
-    for (int c = 0; c < 3 && f.p.nx; c++)
-        out->of[c] = gp_fft_rounding(f.in_double) *
-                         gp_fft_pixel_error(&f.p, req->src, &s->norms, c) +
-                     noise_of(req, &f.p, &s->norms, f.in_double, c);
+    for (int c = 0; c < 3 && s->p.nx; c++)
+        out->of[c] = noise_of(req, s, c) +
+                     gp_fft_rounding(s->in_double) *
+                         gp_fft_pixel_error(&s->p, req->src, &s->norms, c);
     return GP_OK;
 }
 
 static gp_status run_fft(const struct gp_glare_request *req, void **state)
 {
-    struct frame f;
+    struct fft_state *s;
     double dropped = 0.0;
     const struct gp_sources *const src = req->src;
-    gp_status st = open_frame(req, state, &f);
+    gp_status st = open_frame(req, state, &s);
     if (st)
         return st;
-    struct fft_state *const s = *state;
     double least = gp_fft_least(src, &s->quarters);
     if (!(req->stats->bound > 0.0))
-        req->stats->bound = bound_of(req, &f, s, least);
-    if (f.p.nx)
-        st = transform(req, s, &f.p, f.in_double, &dropped);
+        req->stats->bound = bound_of(req, s, least);
+    if (s->p.nx)
+        st = transform(req, s, &dropped);
     else
         gp_planes_clear(req->layer, 0, (size_t) src->w * (size_t) src->h);
     // (a bound may be known by the limit for these sources alone)
     if (!st && dropped > 0.0 && !(least > 0.0) && req->stats->bound < INFINITY)
         st = gp_layer_least(req->log, src, req->kernel, &least);
     req->stats->bound += dropped > 0.0 ? sqrt(dropped) / least : 0.0;
-    req->stats->fft_w = f.p.nx;
-    req->stats->fft_h = f.p.ny;
-    req->stats->in_double = f.in_double;
+    req->stats->fft_w = s->p.nx;
+    req->stats->fft_h = s->p.ny;
+    req->stats->in_double = s->in_double;
     return st;
 }
 

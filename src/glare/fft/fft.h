@@ -114,18 +114,13 @@ double gp_fft_pixel_error(const struct gp_fft_placing *p,
                           const struct gp_sources *s,
                           const struct gp_fft_norms *k, int c);
 
-/* Estimates the deviation of a sample's error in channel c, over
- * gp_fft_rounding(): what the two transforms there and the one back leave, spread
- * evenly, the layer's norm being what Young's inequality allows. */
+/* Estimates the deviation of a sample's error in channel c, over gp_fft_rounding():
+ * what the two transforms there and the one back leave, spread evenly, the layer's
+ * norm being what Young's inequality allows. Or the largest error of a sample: 18
+ * deviations of what the transforms there leave, which lies in rows of light, 9 of what
+ * the one back does, which only adds. Measured: up to three quarters of it. */
 double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
-                    const struct gp_fft_norms *k, int c);
-
-/* Estimates the largest error of a sample in the same way: 18 deviations of what the
- * transforms there leave, which lies in rows of light, 9 of what the one back does,
- * which only adds. Measured: up to three quarters of it. */
-double gp_fft_most_noise(const struct gp_fft_placing *p,
-                         const struct gp_sources *s,
-                         const struct gp_fft_norms *k, int c);
+                    const struct gp_fft_norms *k, int c, bool most);
 
 // -- spectrum.c ---------------------------------------------------------------
 

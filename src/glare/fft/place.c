@@ -143,30 +143,14 @@ double gp_fft_pixel_error(const struct gp_fft_placing *p,
     return T * STAGE * sqrt(sum);
 }
 
-/* Noise spread evenly: `there` and `back` of each rounding of the transforms there
- * and back, the layer's norm being what Young's inequality allows. */
-static double spread(const struct gp_fft_placing *p, const struct gp_sources *s,
-                     const struct gp_fft_norms *k, int c, double there,
-                     double back)
-{
-    const double points = (double) p->nx * p->ny, light = sqrt(s->energy[c]);
-    const double forward = there * light * k->norm[c];
-    const double layer =
-        back * fmin(light * k->sum[c], s->flux[c] * k->norm[c]);
-    return sqrt(gp_log(points) / (M_LN2 * points) *
-                (2.0 * forward * forward + layer * layer));
-}
-
 double gp_fft_noise(const struct gp_fft_placing *p, const struct gp_sources *s,
-                    const struct gp_fft_norms *k, int c)
-{
-    return spread(p, s, k, c, STAGE, STAGE);
-}
-
-double gp_fft_most_noise(const struct gp_fft_placing *p,
-                         const struct gp_sources *s,
-                         const struct gp_fft_norms *k, int c)
+                    const struct gp_fft_norms *k, int c, bool most)
 {
     static const double THERE = 18.0, BACK = 9.0; // deviations
-    return spread(p, s, k, c, THERE * STAGE, BACK * ADDING);
+    const double points = (double) p->nx * p->ny, light = sqrt(s->energy[c]);
+    const double forward = (most ? THERE * STAGE : STAGE) * light * k->norm[c];
+    const double layer = (most ? BACK * ADDING : STAGE) *
+                         fmin(light * k->sum[c], s->flux[c] * k->norm[c]);
+    return sqrt(gp_log(points) / (M_LN2 * points) *
+                (2.0 * forward * forward + layer * layer));
 }

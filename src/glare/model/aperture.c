@@ -30,7 +30,6 @@ static double cell_share(double radius, double away)
     return clamped(0.5 + radius - away) - clamped(0.5 - radius - away);
 }
 
-/* Draws them over row y. */
 static void stain_row(const struct stain *s, int n, const struct gp_pupil *p,
                       int y)
 {
@@ -65,10 +64,10 @@ static void stain_row(const struct stain *s, int n, const struct gp_pupil *p,
     }
 }
 
-/* Hairs from above, as lids' lashes, over a pupil of `radius` mm, each
- * LASH_STAINS stains; n hairs. */
-static void stain_lashes(int n, double radius, double turn, uint64_t seed,
-                         struct stain *out)
+/* Hairs from above, as lids' lashes, over a pupil of `radius` mm; n hairs. Returns
+ * the number of their stains. */
+static int stain_lashes(int n, double radius, double turn, uint64_t seed,
+                        struct stain *out)
 {
     const double cosine = gp_cos(turn), sine = gp_sin(turn);
     for (int k = 0; k < n; k++) {
@@ -99,6 +98,7 @@ static void stain_lashes(int n, double radius, double turn, uint64_t seed,
             y = end[1];
         }
     }
+    return n * LASH_STAINS;
 }
 
 // -- gratings -----------------------------------------------------------------
@@ -455,10 +455,9 @@ static gp_status open_aperture(const struct gp_log *log,
     add_dust(s, (int) (DUST * gp_recipe_value(r, "dust")), seed);
     add_scratches(s, (int) (SCRATCHES * gp_recipe_value(r, "scratches")),
                   seed + 1);
-    const int lashes = (int) (LASHES * gp_recipe_value(r, "lashes"));
-    stain_lashes(lashes, s->radius, s->turn, seed + 2,
-                    s->stain + s->stains);
-    s->stains += lashes * LASH_STAINS;
+    s->stains +=
+        stain_lashes((int) (LASHES * gp_recipe_value(r, "lashes")), s->radius,
+                     s->turn, seed + 2, s->stain + s->stains);
     double steep = 0.0;
     for (int j = ZERNIKE_FIRST; j <= ZERNIKE_LAST; j++) {
         s->path[j] = 550.0 * gp_recipe_value(r, aberrations[j]);
@@ -683,10 +682,9 @@ static gp_status open_temporal(const struct gp_log *log,
     e->fibres = floor(gp_recipe_value(r, "fibres"));
     add_particles(e, (int) (PARTICLES * gp_recipe_value(r, "particles")), t,
                   seed + 8);
-    const int lashes = (int) (EYE_LASHES * gp_recipe_value(r, "lashes"));
-    stain_lashes(lashes, e->radius, e->turn, seed + 16,
-                    e->stain + e->stains);
-    e->stains += lashes * LASH_STAINS;
+    e->stains +=
+        stain_lashes((int) (EYE_LASHES * gp_recipe_value(r, "lashes")),
+                     e->radius, e->turn, seed + 16, e->stain + e->stains);
     const struct gp_diffraction d = {
         .name = "temporal", .diameter = 2.0 * e->radius,
         .reach = gp_recipe_value(r, "reach"),

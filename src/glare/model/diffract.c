@@ -488,20 +488,14 @@ static gp_status join(const struct gp_log *log,
     const struct gp_diffraction *d, const int r[2], double reach,
     const struct gp_field *f, struct gp_shape *shape)
 {
-    struct joined *s;
-    struct directions *by;
+    struct joined *s = NULL;
+    struct directions *by = NULL;
     double over[3], sum[3] = {0};
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
-    if (st)
-        return st;
-    st = gp_alloc_zero(log, "kernel", 1, sizeof *by, &by);
-    if (!st) // it is taken where it only falls, from 10 of its core's radii on
-        st = gp_radial_shape(log, mean_profile, &reach, 1, 0.0, f, &s->far);
-    if (st) {
-        gp_free(by);
-        gp_free(s);
-        return st;
-    }
+    gp_status st;
+    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
+    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *by, &by));
+    // it is taken where it only falls, from 10 of its core's radii on
+    GP_TRY(gp_radial_shape(log, mean_profile, &reach, 1, 0.0, f, &s->far));
     s->pixel[0] = f->degrees * f->aspect;
     s->pixel[1] = f->degrees;
     s->from = d->sampled * reach;
@@ -510,7 +504,6 @@ static gp_status join(const struct gp_log *log,
     s->spikes = spikes_of(d, reach, f->nodes);
     measure(s, r[0], r[1], by, sum);
     share_out(s, by);
-    gp_free(by);
     const double end = fmax(reach, s->spikes.reach);
     gp_profile_integral(taking_over, s, 2, s->from, end, over);
     const double a = reach / 20.0; // and from there to infinity
@@ -531,7 +524,11 @@ static gp_status join(const struct gp_log *log,
     shape->far_even = true;
     shape->sharp = s->spikes.n ? (int) fmin(ceil(pixels), INT_MAX)
                                : gp_max(r[0], r[1]);
-    return GP_OK;
+    s = NULL; // it is the shape's
+out:
+    gp_free(by);
+    gp_free(s);
+    return st;
 }
 
 // -- all of it ----------------------------------------------------------------

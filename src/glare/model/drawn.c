@@ -527,16 +527,7 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
     };
     gp_status st = gp_kernel_from_frame(log, &p, r->image, &k);
     if (!st)
-        st = gp_samples_shape(log,
-                              (struct gp_samples) {
-                                  .w = k.w,
-                                  .h = k.h,
-                                  .cx = k.cx,
-                                  .cy = k.cy,
-                                  .channels = k.grey ? 1 : 3,
-                                  .k = k.k,
-                                  .scale = {1.0, 1.0, 1.0},
-                              },
+        st = gp_samples_shape(log, k.w, k.h, k.cx, k.cy, k.grey ? 1 : 3, &k.k,
                               out);
     if (!st)
         out->negative = k.negative;

@@ -536,12 +536,11 @@ static void find_least(const struct spencer *e, struct night *s)
 static void free_night(void *state)
 {
     struct night *const s = state;
-    if (s->eye.free)
-        s->eye.free(s->eye.state);
-    if (s->halo.free)
-        s->halo.free(s->halo.state);
-    if (s->needles.free)
-        s->needles.free(s->needles.state);
+    const struct gp_shape *const shapes[] = {&s->eye, &s->halo, &s->needles};
+    for (int i = 0; i < 3; i++) {
+        if (shapes[i]->free)
+            shapes[i]->free(shapes[i]->state);
+    }
     gp_free(s);
 }
 

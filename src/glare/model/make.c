@@ -71,6 +71,7 @@ static void close_mixture(struct mixture *m)
 {
     for (int i = 0; i < m->n; i++)
         m->shape[i].free(m->shape[i].state);
+    m->n = 0;
 }
 
 static void add_facts(struct mixture *m, const struct gp_shape *s)
@@ -382,30 +383,23 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
     struct filling f = {.m = m, .split = split, .rx = gp_min(w - 1, last),
                         .ry = gp_min(h - 1, last)};
     const int columns = 2 * f.rx + 1, rows = 2 * f.ry + 1;
-    const size_t n = (size_t) columns * (size_t) rows;
-    gp_status st = gp_planes_make(log, "kernel", n, &f.k);
-    if (st)
-        return st;
+    const size_t n = (size_t) columns * (size_t) rows, centre = n / 2;
+    gp_status st;
+    GP_TRY(gp_planes_make(log, "kernel", n, &f.k));
     gp_parallel_do(m->even ? f.ry + 1 : rows, make_row, &f);
-    const size_t centre = n / 2;
     if (!m->tint.known)
-        st = find_tint(log, m, &f.k, n, centre, far, weight);
-    if (st) {
-        gp_planes_free(&f.k);
-        return st;
-    }
+        GP_TRY(find_tint(log, m, &f.k, n, centre, far, weight));
     use_tint(&m->tint, weight, n, centre, &f.k);
     if (m->near.any)
         add_near(&m->near, f.rx, f.ry, &f.k);
-    if (m->nodes > 0.0)
-        st = sum_samples(log, &f.k, columns, rows, weight, &m->samples);
-    if (m->nodes > 0.0 && !st)
-        st = gp_nodes_divide(log, columns, rows, m->nodes, &f.k, &m->wrong);
-    if (st) {
-        gp_planes_free(&f.k);
-        return st;
+    if (m->nodes > 0.0) {
+        GP_TRY(sum_samples(log, &f.k, columns, rows, weight, &m->samples));
+        GP_TRY(gp_nodes_divide(log, columns, rows, m->nodes, &f.k, &m->wrong));
     }
-    return gp_kernel_of_planes(log, "kernel", columns, rows, &f.k, out);
+    st = gp_kernel_of_planes(log, "kernel", columns, rows, &f.k, out);
+out:
+    gp_planes_free(&f.k);
+    return st;
 }
 
 /* Joins a far field, which the kernel then owns, to its core; NULL: there is
@@ -519,7 +513,8 @@ static gp_status make_cosines(const struct gp_log *log,
 {
     struct gp_kernel k = {0};
     struct gp_field f = *field, middle = *field;
-    struct mixture m, pixels;
+    struct mixture m = {0}, pixels = {0};
+    gp_status st;
     double own[3] = {0}, light[3], all = 0.0, share = 0.0;
     // as much more as the frame's, for lights beside it
     f.w = gp_max(grid->size[0] * field->w / field->seen_w, 1);
@@ -528,14 +523,8 @@ static gp_status make_cosines(const struct gp_log *log,
     f.aspect = grid->step[0] / grid->step[1];
     f.nodes = grid->nodes;
     middle.w = middle.h = NEAR + 1;
-    gp_status st = open_openings(log, r, n, sum, &middle, &pixels);
-    if (st)
-        return st;
-    st = open_openings(log, r, n, sum, &f, &m);
-    if (st) {
-        close_mixture(&pixels);
-        return st;
-    }
+    GP_TRY(open_openings(log, r, n, sum, &middle, &pixels));
+    GP_TRY(open_openings(log, r, n, sum, &f, &m));
     for (int i = 0; i < m.n; i++) {
         share += m.share[i];
         for (int c = 0; c < 3; c++)

@@ -119,8 +119,9 @@ GP_MUST_CHECK gp_status gp_samples_make(const struct gp_log *log, int channels,
                                         int rx, int ry, struct gp_shape *out);
 
 /* Makes a shape of planes of w x h samples; takes them, also on failure. */
-GP_MUST_CHECK gp_status gp_samples_shape(const struct gp_log *log,
-                                         struct gp_samples samples,
+GP_MUST_CHECK gp_status gp_samples_shape(const struct gp_log *log, int w, int h,
+                                         int cx, int cy, int channels,
+                                         struct gp_planes *k,
                                          struct gp_shape *out);
 
 /* Light of shapes finer than a pixel, by offsets -rx .. rx, -ry .. ry. Light

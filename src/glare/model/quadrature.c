@@ -77,27 +77,25 @@ static void samples_row(const void *state, int x, int y, int n,
     }
 }
 
-gp_status gp_samples_shape(const struct gp_log *log, struct gp_samples samples,
+gp_status gp_samples_shape(const struct gp_log *log, int w, int h, int cx,
+                           int cy, int channels, struct gp_planes *k,
                            struct gp_shape *out)
 {
     struct gp_samples *s;
-    const int reach_x =
-        gp_max(abs(samples.cx), abs(samples.w - 1 - samples.cx));
-    const int reach_y =
-        gp_max(abs(samples.cy), abs(samples.h - 1 - samples.cy));
     gp_status st = gp_alloc(log, "kernel", 1, sizeof *s, &s);
     if (st) {
-        gp_planes_free(&samples.k);
+        gp_planes_free(k);
         return st;
     }
-    *s = samples;
+    *s = (struct gp_samples) {w, h, cx, cy, channels, *k, {1.0, 1.0, 1.0}};
     *out = (struct gp_shape) {
         .state = s,
         .free = samples_free,
         .row = samples_row,
-        .grey = s->channels == 1,
+        .grey = channels == 1,
         .smooth = INFINITY,
-        .reach = gp_max(reach_x, reach_y),
+        .reach = gp_max(gp_max(abs(cx), abs(w - 1 - cx)),
+                        gp_max(abs(cy), abs(h - 1 - cy))),
     };
     return GP_OK;
 }
@@ -105,17 +103,10 @@ gp_status gp_samples_shape(const struct gp_log *log, struct gp_samples samples,
 gp_status gp_samples_make(const struct gp_log *log, int channels, int rx,
                           int ry, struct gp_shape *out)
 {
-    struct gp_samples s = {
-        .w = 2 * rx + 1,
-        .h = 2 * ry + 1,
-        .cx = rx,
-        .cy = ry,
-        .channels = channels,
-        .scale = {1.0, 1.0, 1.0},
-    };
-    gp_status st =
-        gp_planes_make(log, "kernel", (size_t) s.w * (size_t) s.h, &s.k);
-    return st ? st : gp_samples_shape(log, s, out);
+    const int w = 2 * rx + 1, h = 2 * ry + 1;
+    struct gp_planes k;
+    gp_status st = gp_planes_make(log, "kernel", (size_t) w * (size_t) h, &k);
+    return st ? st : gp_samples_shape(log, w, h, rx, ry, channels, &k, out);
 }
 
 // -- light of shapes finer than a pixel, shared out by where it falls ---------

@@ -109,7 +109,6 @@ static void add_name(struct names *n, const char *name)
     gp_nearest_try(&n->near, name);
 }
 
-/* Fails with the nearest name and all that there are. */
 static gp_status no_such(const struct gp_log *log, const char *text,
                          const char *what, const struct names *n)
 {

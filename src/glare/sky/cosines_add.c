@@ -318,8 +318,8 @@ static gp_status spread(const struct gp_log *log, struct adding *a,
         log, "layer", (size_t) a->all[0].n * (size_t) a->all[1].n, &a->spread));
     if (k->far) {
         GP_TRY(gp_far_open(log, k->far, &kept->far));
-        GP_TRY(
-            gp_far_find(log, k->far, kept->far, &src, &a->spread, &far.rows));
+        GP_TRY(gp_far_find(log, k->far, kept->far, &src, far.w, far.h,
+                           &a->spread, &far.rows));
         GP_TRY(gp_alloc(log, "layer", (size_t) gp_threads() * (size_t) far.w,
                         sizeof *far.line, &far.line));
     }

@@ -192,7 +192,6 @@ struct grid {
 
 /* -- one draw -------------------------------------------------------------- */
 
-/* Draws cells [first, end) with one kernel. */
 static gp_status draw_with(const struct drawing *k, const struct grid *g,
     const struct gp_target *to, int which, int first, int end)
 {

@@ -127,7 +127,6 @@ static void add_rows(const struct grouping *g, int y0, int y1, int side,
     }
 }
 
-/* Makes the polygons of band i. */
 static void group_band(struct grouping *g, int i)
 {
     struct cell_sum *const cell = g->cell, *const cluster = cell + g->columns;

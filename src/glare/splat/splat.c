@@ -63,7 +63,6 @@ static double overlap(double low, double high, int limit)
     return n > 0.0 ? n : 0.0;
 }
 
-/* Pixels of middles and polygons on the layer. */
 static double count_pixels(const struct gp_glare_request *req,
                            const struct gp_splat_layout *p)
 {
@@ -173,12 +172,6 @@ out:
 
 /* -- the engine ------------------------------------------------------------ */
 
-static bool reaches_nothing(const struct gp_glare_request *req)
-{
-    const struct gp_sources *const s = req->src;
-    return s->n == 0 || gp_rect_empty(crop_of(req->kernel, s->w, s->h, 1));
-}
-
 static gp_status run_splat(const struct gp_glare_request *req, void **state)
 {
     static const char *const forms[] = {
@@ -186,7 +179,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         [GP_PRIMITIVE_TILE] = "tiles, groups from the CPU",
     };
     const size_t pixels = (size_t) req->src->w * (size_t) req->src->h;
-    if (reaches_nothing(req)) {
+    if (gp_rect_empty(crop_of(req->kernel, req->src->w, req->src->h, 1))) {
         gp_planes_clear(req->layer, 0, pixels);
         return GP_OK;
     }

@@ -277,9 +277,8 @@ struct gathering {
     struct gp_rect field;
 };
 
-/* Draws the pieces of one kind that reach the field; sets *drawn where there
- * are any. */
-static gp_status draw_kind(const struct gathering *k, int kind, bool *drawn)
+/* Draws the pieces of one kind that reach the field. */
+static gp_status draw_kind(const struct gathering *k, int kind)
 {
     static const char *const defines[] = {
         "", "#define COLOUR\n", "#define WHOLE\n",
@@ -325,7 +324,6 @@ static gp_status draw_kind(const struct gathering *k, int kind, bool *drawn)
         };
         gp_buffer_write(s->gl, &s->entries, 0, batch.texels, batch.texel);
         GP_TRY(gp_draw_run(log, s->gl, &draw));
-        *drawn = true;
     }
 out:
     return st;
@@ -333,7 +331,6 @@ out:
 
 static gp_status draw_field(struct gathering *k)
 {
-    bool drawn = false;
     struct gp_splat *const s = k->s;
     struct gp_planes *const layer = k->req->layer;
     const size_t pitch = (size_t) k->req->src->w;
@@ -343,16 +340,8 @@ static gp_status draw_field(struct gathering *k)
     gp_status st = gp_splat_need_target(k->req->log, s, "layer", ATTACHMENTS,
                                         w, h, &s->field);
     for (int kind = 0; !st && kind < KINDS; kind++)
-        st = draw_kind(k, kind, &drawn);
-    if (st)
-        return st;
-    if (!drawn) {
-        for (int y = f.y0; y < f.y1; y++)
-            gp_planes_clear(layer, (size_t) y * pitch + (size_t) f.x0,
-                            (size_t) gp_rect_w(f));
-        return GP_OK;
-    }
-    for (int i = 0; i < ATTACHMENTS; i++) {
+        st = draw_kind(k, kind);
+    for (int i = 0; i < ATTACHMENTS && !st; i++) {
         // an attachment holds every other row of a plane
         const int lower = i % FRAGMENT_H;
         const int rows = (gp_rect_h(f) + FRAGMENT_H - 1 - lower) / FRAGMENT_H;
@@ -366,7 +355,8 @@ static gp_status draw_field(struct gathering *k)
                    s->texel + 4 * (size_t) y * (size_t) w,
                    (size_t) gp_rect_w(f) * sizeof(float));
     }
-    return gp_gl_check(k->req->log, s->gl, "gathering glare polygons");
+    return st ? st
+              : gp_gl_check(k->req->log, s->gl, "gathering glare polygons");
 }
 
 /* The length of the fewest equal fields of `most` fragments and at most

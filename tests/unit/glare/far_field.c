@@ -71,7 +71,7 @@ static struct gp_planes added(const struct made *m, const struct gp_sources *s)
     assert_ok(gp_planes_make(NULL, "layer", n, &p));
     for (int c = 0; c < 3; c++)
         memset(p.c[c], 0, n * sizeof(float));
-    assert_ok(gp_far_find(NULL, m->t, m->s, s, &p, &rows));
+    assert_ok(gp_far_find(NULL, m->t, m->s, s, s->w, s->h, &p, &rows));
     gp_parallel_do(3 * s->h, gp_far_add_row, rows);
     gp_far_rows_free(&rows);
     return p;
@@ -235,7 +235,7 @@ static double wave_error(const struct made *m, const struct wave *wave,
     assert_ok(gp_planes_make(NULL, "layer", pixels, &p));
     for (size_t i = 0; i < 3 * pixels; i++)
         p.c[i / pixels][i % pixels] = over;
-    assert_ok(gp_far_find(NULL, m->t, m->s, &s, &p, &rows));
+    assert_ok(gp_far_find(NULL, m->t, m->s, &s, s.w, s.h, &p, &rows));
     gp_parallel_do(3 * h, gp_far_add_row, rows);
     gp_far_rows_free(&rows);
     for (int y = l->y0; y < l->y1; y++) {
@@ -395,7 +395,7 @@ static void larger_frames_are_refused(void **state)
     struct gp_far_rows *rows = NULL;
     (void) state;
     assert_ok(gp_planes_make(NULL, "layer", 301 * 200, &p));
-    assert_int_equal(gp_far_find(&kept_log, m.t, m.s, &s, &p, &rows),
+    assert_int_equal(gp_far_find(&kept_log, m.t, m.s, &s, s.w, s.h, &p, &rows),
                      GP_ERR_BUG);
     assert_non_null(strstr(kept_line, "300x200"));
     gp_planes_free(&p);
