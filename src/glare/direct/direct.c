@@ -67,12 +67,6 @@ gp_status gp_taps_cut(const struct gp_log *log, const struct gp_kernel *k,
     return GP_OK;
 }
 
-void gp_taps_free(struct gp_taps *t)
-{
-    gp_free(t->k[0]);
-    *t = (struct gp_taps) {0};
-}
-
 /* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
 GP_CLONES static void sum_strip(const struct strip_source *s, uint32_t n,
                                 const float *k0, const float *k1,
@@ -213,7 +207,7 @@ static gp_status run_direct(const struct gp_glare_request *req, void **state)
     if (!(req->stats->bound > 0.0))
         req->stats->bound = bound_of(req->kernel, req->src->n);
     st = gp_direct_sum(req->log, req->src, &taps, false, req->layer);
-    gp_taps_free(&taps);
+    gp_free(taps.k[0]);
     return st;
 }
 

@@ -22,11 +22,10 @@ struct gp_taps {
 };
 
 /* Copies the part of the kernel within rx pixels of its centre in x and ry in
- * y. Free with gp_taps_free(). */
+ * y. Free out->k[0]. */
 GP_MUST_CHECK gp_status gp_taps_cut(const struct gp_log *log,
                                     const struct gp_kernel *kernel, int rx,
                                     int ry, struct gp_taps *out);
-void gp_taps_free(struct gp_taps *t);
 
 /* Adds the sum to the layer (`add`), or writes it there. Each sample is summed
  * in the order of the sources, in float, in groups of 32 whose sums are added

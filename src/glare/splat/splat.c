@@ -230,7 +230,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     stats->gl = gl->name;
 out:
     gp_free(layout.polygons.at);
-    gp_taps_free(&taps);
+    gp_free(taps.k[0]);
     return st;
 }
 
