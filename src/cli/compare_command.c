@@ -636,7 +636,7 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
     if (!s->output.no_provenance &&
         (s->compare.heatmap || s->compare.difference))
         GP_TRY(gp_command_text(log, s, s->input.files.at, s->input.files.n,
-                               false, &command));
+                               GP_COMMAND_NAMES, &command));
     r.write.command = command;
     r.write.dither = GP_DITHER_NEVER; // equal values become equal codes
     r.json = json ? open_memstream(&text, &size) : NULL;

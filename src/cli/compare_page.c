@@ -364,11 +364,9 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
         snprintf(title, sizeof title, "%s and %s",
                  gp_base_name(p->s->input.files.at[0]),
                  gp_base_name(p->s->input.files.at[1]));
-        GP_TRY(gp_page_make(p->log, p->s, "compare", title, p->s->page.html,
-                            &p->page));
+        GP_TRY(gp_page_make(p->log, p->s, "compare", title, &p->page));
         if (p->s->page.index && !p->index)
-            GP_TRY(gp_page_make(p->log, p->s, "index", title, p->s->page.index,
-                                &p->index));
+            GP_TRY(gp_page_make(p->log, p->s, "index", title, &p->index));
     }
     if (f)
         GP_TRY(fill(p, e, &new));

@@ -192,7 +192,7 @@ static json_t *about_row(const struct gp_log *log, const struct gp_settings *s,
     char *text = NULL;
     if (!s->input.files.n)
         return json_pack("{ss}", "name", row);
-    if (gp_command_text(log, s, in, 1, true, &text))
+    if (gp_command_text(log, s, in, 1, GP_COMMAND_WHOLE, &text))
         return NULL;
     json_t *const o = json_pack("{ss so}", "name", row, "command",
                                 json_sprintf("glarepp%s %s -o out.png",
@@ -282,9 +282,8 @@ gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
     (void) status;
     gp_status st = gp_output_guard_check(log, s, "input", input);
     if (!st && html)
-        st =
-            gp_page_make(log, s, "bench", input ? gp_base_name(input) : "bench",
-                         html, &user.page);
+        st = gp_page_make(log, s, "bench",
+                          input ? gp_base_name(input) : "bench", &user.page);
     if (!st)
         st = gp_bench_run(log, &req);
     if (!st && html) {

@@ -214,8 +214,6 @@ struct gp_run_settings {
 
 /* The command line itself. */
 struct gp_word_settings {
-    char *const *argv;                 // borrowed, as given
-    int argc;
     const char **all;                  // those of all lists; owned
     struct gp_texts options;           // name and value (NULL: takes none) of
                                        // each option given, in turn
@@ -448,6 +446,14 @@ const struct gp_command_row *gp_command_named(const char *word);
  * argv. */
 GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
     char *const argv[], struct gp_settings *out);
+
+/* Makes settings of pictures from those of glarepp styles, and one option more
+ * where *s has none of that name. *out borrows all that s owns, is not freed and
+ * must not move; one is made at a time. */
+GP_MUST_CHECK gp_status gp_options_more(const struct gp_log *log,
+                                        const struct gp_settings *s,
+                                        const char *name, const char *value,
+                                        struct gp_settings *out);
 
 /* The needs that the settings do not meet: bits of enum gp_need. */
 unsigned gp_needs_unmet(const struct gp_settings *s);

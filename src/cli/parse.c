@@ -364,6 +364,19 @@ static gp_status check_command(const struct gp_log *log, const char *first)
                : GP_OK;
 }
 
+gp_status gp_options_more(const struct gp_log *log, const struct gp_settings *s,
+                          const char *name, const char *value,
+                          struct gp_settings *out)
+{
+    const struct gp_use u = {log, gp_option_find(name, strlen(name)), value};
+    gp_status st;
+    *out = *s;
+    out->command = GP_COMMAND_MAIN;
+    st = take_use(&u, out);
+    st = st ? st : apply_style(log, out);
+    return st ? st : gp_settings_check(log, out);
+}
+
 gp_status gp_options_parse(const struct gp_log *log, int argc,
                            char *const argv[], struct gp_settings *out)
 {
@@ -371,8 +384,6 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     bool options = true; // until "--"
     int i = 1;
     *out = gp_defaults;
-    out->words.argv = argv;
-    out->words.argc = argc;
     struct gp_texts *const lists[] = {
         &out->input.files,        &out->output.pictures,
         &out->output.hdr,         &out->output.layer,
@@ -425,6 +436,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     if (st || out->words.help || out->words.help_table || out->words.version ||
         out->words.list_flares)
         return st;
-    st = apply_style(log, out);
+    if (out->command != GP_COMMAND_STYLES)
+        st = apply_style(log, out);
     return st ? st : gp_settings_check(log, out);
 }

@@ -86,7 +86,7 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
     gp_status st =
         gp_alloc_zero(log, "output list", names, sizeof *w->file, &w->file);
     st = st ? st
-            : gp_command_text(log, r->s, &input, 1, false,
+            : gp_command_text(log, r->s, &input, 1, GP_COMMAND_NAMES,
                               &out->facts.job.command);
     return st || !r->s->keyeds ? st : make_own_plan(log, r, out);
 }

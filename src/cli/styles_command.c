@@ -172,45 +172,17 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
         &light, NULL, NULL);
 }
 
-/* Words of an option that only the sheet has, no picture of it: 0, 1, or 2 with its
- * value. */
-static int words_of_sheet(const char *word)
-{
-    const char *const name = strncmp(word, "--", 2) == 0 ? word + 2 : "";
-    const size_t n = strcspn(name, "=");
-    const struct gp_option *const o = gp_option_find(name, n);
-    return !o || (o->commands & GP_COMMAND_MAIN) ? 0
-           : o->arg && !name[n]                  ? 2
-                                                 : 1;
-}
-
-/* Runs the main job with `last`, "--option=value", after what was given. */
+/* Runs the main job with an option more than was given. */
 static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
-    const struct gp_settings *s, char *last, struct sheet *sheet)
+                           const struct gp_settings *s, const char *option,
+                           const char *value, struct sheet *sheet)
 {
     gp_status st;
     struct gp_taker taker = {draw_tile, sheet, &sheet->report};
-    struct gp_settings one = {0};
+    struct gp_settings one;
     struct gp_jobs jobs = {0};
     struct gp_progress none;
-    char **word = NULL;
-    char *const *const argv = s->words.argv;
-    const int argc = s->words.argc;
-    int words = 0, end = 2; // of options; argv[1] is the command
-    GP_TRY(gp_alloc(log, "command line", (size_t) argc, sizeof *word, &word));
-    while (end < argc && strcmp(argv[end], "--") != 0)
-        end++;
-    for (int i = 0; i < argc; i++) {
-        const int of_sheet = i > 1 && i < end ? words_of_sheet(argv[i]) : 0;
-        if (i == end)
-            word[words++] = last;
-        if (i != 1 && !of_sheet)
-            word[words++] = argv[i];
-        i += of_sheet > 1;
-    }
-    if (end >= argc)
-        word[words++] = last;
-    GP_TRY(gp_options_parse(log, words, word, &one));
+    GP_TRY(gp_options_more(log, s, option, value, &one));
     one.output.write.pages = true;
     GP_TRY(gp_jobs_make(log, &one, &jobs));
     if (jobs.n != 1)
@@ -221,14 +193,12 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
     free(sheet->command);
     sheet->command = NULL;
     GP_TRY(gp_command_text(log, &one, one.input.files.at, one.input.files.n,
-                           true, &sheet->command));
+                           GP_COMMAND_WHOLE, &sheet->command));
     gp_progress_open(&none, stderr, GP_PROGRESS_NEVER);
     st = gp_pipeline_run(log, gp, &one, &jobs, &none);
     gp_progress_close(&none);
 out:
     gp_jobs_free(&jobs);
-    gp_settings_free(&one);
-    gp_free(word);
     return st;
 }
 
@@ -241,7 +211,7 @@ static gp_status write_page(const struct gp_log *log,
     json_t *page = NULL, *set;
     gp_status st;
     GP_TRY(gp_page_make(log, s, "styles", gp_base_name(s->input.files.at[0]),
-                        path, &page));
+                        &page));
     GP_TRY(gp_page_pack(log, &sheet->set, gp_page_room(s, sheet->tiles), &set));
     json_array_append_new(
         json_object_get(page, "entries"),
@@ -261,8 +231,8 @@ static gp_status write_sheet(const struct gp_log *log,
         (struct gp_rect) {0, 0, sheet_w(sheet), sheet_h(sheet)});
     f.path = (char *) s->input.files.at[0];
     char *command = NULL;
-    gp_status st =
-        gp_command_text(log, s, s->input.files.at, 1, false, &command);
+    gp_status st = gp_command_text(log, s, s->input.files.at, 1,
+                                   GP_COMMAND_NAMES, &command);
     p.command = command;
     for (int i = 0; i < s->output.pictures.n && !st; i++) {
         const char *const path = s->output.pictures.at[i];
@@ -295,13 +265,11 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
     for (int i = 0; i < s->output.pictures.n; i++)
         sheet.page |= is_page(s->output.pictures.at[i]);
     sheet.caption = "no glare";
-    GP_TRY(make_tile(log, gp, s, (char []) {"--gain=0"}, &sheet));
+    GP_TRY(make_tile(log, gp, s, "gain", "0", &sheet));
     for (; style->name; style++) {
-        char word[64];
-        snprintf(word, sizeof word, "--style=%s", style->name);
         sheet.i++;
         sheet.caption = style->name;
-        GP_TRY(make_tile(log, gp, s, word, &sheet));
+        GP_TRY(make_tile(log, gp, s, "style", style->name, &sheet));
     }
     st = write_sheet(log, s, &sheet);
     if (!st && s->output.pictures.n && s->run.level == GP_LEVEL_WARN &&

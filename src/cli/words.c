@@ -102,16 +102,28 @@ static const char *path_in(const struct gp_option *o, const char *value)
     return is && is[1] == '/' ? is + 1 : NULL; // NAME=/some/folder/file
 }
 
-/* Prints the options that pixels depend on, each after `before`; `whole`: with
- * folders of this machine. */
+/* True for options that no pixel depends on, but a page does. */
+static bool is_of_page(const char *name)
+{
+    static const char *const own[] = {"frames",   "max-pixels", "runs",
+                                      "output",   "html",       "html-index",
+                                      "html-size"};
+    size_t i = 0;
+    while (i < sizeof own / sizeof *own && strcmp(own[i], name) != 0)
+        i++;
+    return i < sizeof own / sizeof *own;
+}
+
+/* Prints the options that pixels depend on, or only a page (`page`), each after
+ * `before`; `whole`: with folders of this machine. */
 static void print_options(FILE *f, const struct gp_settings *s,
-                          const char *before, bool whole)
+                          const char *before, bool whole, bool page)
 {
     for (int i = 0; i + 1 < s->words.options.n; i += 2) {
         const char *const name = s->words.options.at[i];
         const char *value = s->words.options.at[i + 1];
         const struct gp_option *const o = gp_option_find(name, strlen(name));
-        if (!gp_option_makes_pixels(o))
+        if (page ? !is_of_page(name) : !gp_option_makes_pixels(o))
             continue;
         fprintf(f, "%s--%s", before, name);
         if (!whole && value && strcmp(o->arg, "CONFIG") == 0)
@@ -126,9 +138,10 @@ static void print_options(FILE *f, const struct gp_settings *s,
 }
 
 gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
-                          const char *const *input, int inputs, bool whole,
-                          char **out)
+                          const char *const *input, int inputs,
+                          enum gp_command_form form, char **out)
 {
+    const bool whole = form != GP_COMMAND_NAMES;
     char *text = NULL;
     size_t size;
     FILE *const f = open_memstream(&text, &size);
@@ -137,12 +150,14 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
         return gp_no_memory_bare(log, "command line");
     const char *const word = gp_command_of(s->command)->word;
     fprintf(f, "glarepp%s%s", *word ? " " : "", word);
-    print_options(f, s, " ", whole);
+    print_options(f, s, " ", whole, false);
     for (int i = 0; i < inputs; i++) {
         const char *const name = whole ? input[i] : gp_base_name(input[i]);
         // (no option, but "-" is stdin)
         gp_word_print(f, "./", *name == '-' && name[1] ? 2 : 0, name);
     }
+    if (form == GP_COMMAND_PAGE)
+        print_options(f, s, " ", true, true);
     const bool written = end_text(f, &text);
     if (written) // control characters would break listings of the file
         gp_make_printable(text);
@@ -166,7 +181,7 @@ gp_status gp_settings_save(const struct gp_log *log,
         return gp_no_memory(log, path);
     fprintf(f, "# glarepp " GP_VERSION ": options without inputs and outputs, "
                "for --settings");
-    print_options(f, s, "\n", true);
+    print_options(f, s, "\n", true, false);
     fprintf(f, "\n");
     const gp_status st =
         end_text(f, &text) ? gp_file_save(log, path, s->output.write.create_dir,

@@ -16,12 +16,16 @@ struct gp_log gp_place_log(struct gp_place *p, const struct gp_log *to,
 
 /* The command line that makes the same picture of those inputs, from malloc:
  * the given options that a pixel can depend on, then the inputs; quoted for a
- * shell, in UTF-8, on one line, file names without their folders unless it is to run
- * in the same place: `whole`. */
+ * shell, in UTF-8, on one line. */
+enum gp_command_form {
+    GP_COMMAND_NAMES, // file names without their folders
+    GP_COMMAND_WHOLE, // to be run in the same place
+    GP_COMMAND_PAGE,  // so, and with the options that only a page depends on
+};
 GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
                                         const struct gp_settings *s,
                                         const char *const *input, int inputs,
-                                        bool whole, char **out);
+                                        enum gp_command_form form, char **out);
 
 /* The name of a path without its folders. */
 const char *gp_base_name(const char *path);

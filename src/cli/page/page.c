@@ -25,41 +25,17 @@ size_t gp_page_room(const struct gp_settings *s, int pictures)
 }
 
 gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
-                       const char *kind, const char *title, const char *path,
-                       json_t **out)
+                       const char *kind, const char *title, json_t **out)
 {
-    // of options that no pixel depends on, those that a page does
-    static const char *const own[] = {"frames",    "max-pixels", "runs",
-                                      "html-size", "html",       "html-index"};
     const struct gp_texts *const in = &s->input.files;
-    const struct gp_texts *const given = &s->words.options;
-    char *command = NULL, *text = NULL;
-    size_t size;
-    gp_status st = gp_command_text(log, s, in->at, in->n, true, &command);
-    FILE *const f = st ? NULL : open_memstream(&text, &size);
-    if (f) {
-        fputs(command, f);
-        for (int i = 0; i + 1 < given->n; i += 2) {
-            for (size_t k = 0; k < sizeof own / sizeof *own; k++) {
-                if (strcmp(given->at[i], own[k]) == 0) {
-                    fprintf(f, " --%s", own[k]);
-                    gp_word_print(f, "", 0, given->at[i + 1]);
-                }
-            }
-        }
-        if (!s->page.html) {
-            fputs(" -o", f);
-            gp_word_print(f, "", 0, path);
-        }
-    }
-    if (!st && (!f || fclose(f) != 0 || !text))
-        st = gp_no_memory(log, path);
+    char *command = NULL;
+    const gp_status st =
+        gp_command_text(log, s, in->at, in->n, GP_COMMAND_PAGE, &command);
     if (!st)
         *out = json_pack("{ss so ss so so}", "kind", kind, "title",
                          gp_json_name(title), "version", GP_VERSION, "command",
-                         gp_json_name(text), "entries", json_array());
+                         gp_json_name(command), "entries", json_array());
     free(command);
-    free(text);
     return st;
 }
 

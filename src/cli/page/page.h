@@ -67,13 +67,13 @@ GP_MUST_CHECK gp_status gp_page_thumb(const struct gp_log *log,
  * much each as a pair. */
 size_t gp_page_room(const struct gp_settings *s, int pictures);
 
-/* Makes a page without entries, under the name of `path`.
+/* Makes a page without entries.
  *   out  {"kind", "title", "version", "command", "entries": []}; the command makes
  *        it again */
 GP_MUST_CHECK gp_status gp_page_make(const struct gp_log *log,
                                      const struct gp_settings *s,
                                      const char *kind, const char *title,
-                                     const char *path, json_t **out);
+                                     json_t **out);
 
 /* Writes a page, whose reference it takes; "-" is stdout. A warning says so where its
  * text alone is larger than was asked for.

@@ -163,11 +163,11 @@ static void commands_make_the_same_picture(void **state)
         char *text;
         assert_ok(parse(rows[i].line, &s));
         assert_ok(gp_command_text(&kept_log, &s, s.input.files.at,
-                                  s.input.files.n, false, &text));
+                                  s.input.files.n, GP_COMMAND_NAMES, &text));
         assert_string_equal(text, rows[i].want);
         free(text);
         assert_ok(gp_command_text(&kept_log, &s, s.input.files.at,
-                                  s.input.files.n, true, &text));
+                                  s.input.files.n, GP_COMMAND_WHOLE, &text));
         for (int k = 0; k < s.input.files.n; k++) // as given, but for quotes
             assert_true(!strchr(s.input.files.at[k], '/') ||
                         strstr(text, s.input.files.at[k]));
