@@ -102,28 +102,17 @@ static const char *path_in(const struct gp_option *o, const char *value)
     return is && is[1] == '/' ? is + 1 : NULL; // NAME=/some/folder/file
 }
 
-/* True for options that no pixel depends on, but a page does. */
-static bool is_of_page(const char *name)
-{
-    static const char *const own[] = {"frames",   "max-pixels", "runs",
-                                      "output",   "html",       "html-index",
-                                      "html-size"};
-    size_t i = 0;
-    while (i < sizeof own / sizeof *own && strcmp(own[i], name) != 0)
-        i++;
-    return i < sizeof own / sizeof *own;
-}
-
-/* Prints the options that pixels depend on, or only a page (`page`), each after
- * `before`; `whole`: with folders of this machine. */
+/* Prints the options that pixels depend on, or others that have a value (not
+ * --threads: a page is the same for any), each after `before`; `whole`: with folders of this machine. */
 static void print_options(FILE *f, const struct gp_settings *s,
-                          const char *before, bool whole, bool page)
+                          const char *before, bool whole, bool others)
 {
     for (int i = 0; i + 1 < s->words.options.n; i += 2) {
         const char *const name = s->words.options.at[i];
         const char *value = s->words.options.at[i + 1];
         const struct gp_option *const o = gp_option_find(name, strlen(name));
-        if (page ? !is_of_page(name) : !gp_option_makes_pixels(o))
+        if (gp_option_makes_pixels(o) == others ||
+            (others && (!value || strcmp(name, "threads") == 0)))
             continue;
         fprintf(f, "%s--%s", before, name);
         if (!whole && value && strcmp(o->arg, "CONFIG") == 0)
@@ -156,7 +145,7 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
         // (no option, but "-" is stdin)
         gp_word_print(f, "./", *name == '-' && name[1] ? 2 : 0, name);
     }
-    if (form == GP_COMMAND_PAGE)
+    if (form == GP_COMMAND_ALL)
         print_options(f, s, " ", true, true);
     const bool written = end_text(f, &text);
     if (written) // control characters would break listings of the file

@@ -20,7 +20,7 @@ struct gp_log gp_place_log(struct gp_place *p, const struct gp_log *to,
 enum gp_command_form {
     GP_COMMAND_NAMES, // file names without their folders
     GP_COMMAND_WHOLE, // to be run in the same place
-    GP_COMMAND_PAGE,  // so, and with the options that only a page depends on
+    GP_COMMAND_ALL,   // so, and then the other options that have values
 };
 GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
                                         const struct gp_settings *s,

@@ -3,7 +3,7 @@
  *
  * 1. codes are the halfs' bits; green, red - green, blue - green: noise of a grey
  *    surface is one noise, and a difference of bits is nearly one of logarithms
- * 2. minus those of the first picture, where that is shorter
+ * 2. of pictures after the first minus those of the first
  * 3. minus what three neighbours say (MED: Weinberger, Seroussi, Sapiro, "LOCO-I",
  *    1996), sign at the low end
  * 4. high bytes of all, then low bytes; zlib; base64
@@ -22,7 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 16, FAST = 1, SMALL = 9 }; // pixels of scores; levels of zlib
+enum { LEAST = 256, FAST = 1, SMALL = 9 }; // pixels of a region; levels of zlib
 
 /* The samples of a page: averages of scale x scale pixels, and a region of single
  * ones (empty: none), from the window's corner. */
@@ -30,7 +30,6 @@ struct plan {
     int scale, w, h; // squares
     struct gp_rect region;
     size_t n; // squares, then pixels of the region
-    bool delta[GP_PAGE_PICTURES];
 };
 
 static struct plan plan_of(const struct gp_page_set *s, int scale)
@@ -252,35 +251,24 @@ struct coder {
     const struct gp_log *log;
     const struct gp_page_set *s;
     const struct plan *p;
-    float *row;             // two of the window
+    float *row;             // two of the window; owns all of these
     uint16_t *base, *plane; // three planes of codes each: of the first picture,
-                            // of the present one
-    uint16_t *left;         // a plane that differs from its base
+                            // of the present one, then of what it is more
     uint8_t *out;           // what zlib gets
 };
-
-static void end_coder(struct coder *k)
-{
-    gp_free(k->row);
-    gp_free(k->base);
-    gp_free(k->plane);
-    gp_free(k->left);
-    gp_free(k->out);
-}
 
 static gp_status begin_coder(const struct gp_log *log,
                              const struct gp_page_set *s, const struct plan *p,
                              struct coder *k)
 {
-    gp_status st;
+    const size_t rows = 2 * (size_t) gp_rect_w(s->window) * sizeof *k->row;
     *k = (struct coder) {.log = log, .s = s, .p = p};
-    GP_TRY(gp_alloc(log, "page", (size_t) gp_rect_w(s->window),
-                    2 * sizeof *k->row, &k->row));
-    GP_TRY(gp_alloc(log, "page", p->n, 6, &k->base));
-    GP_TRY(gp_alloc(log, "page", p->n, 6, &k->plane));
-    GP_TRY(gp_alloc(log, "page", p->n, 2, &k->left));
-    GP_TRY(gp_alloc(log, "page", p->n, 6, &k->out));
-out:
+    const gp_status st = gp_alloc(log, "page", rows + 18 * p->n, 1, &k->row);
+    if (!st) {
+        k->base = (uint16_t *) (void *) ((char *) k->row + rows);
+        k->plane = k->base + 3 * p->n;
+        k->out = (uint8_t *) (k->plane + 3 * p->n);
+    }
     return st;
 }
 
@@ -323,22 +311,17 @@ static void predict(const uint16_t *v, int w, int h, uint8_t *high,
     }
 }
 
-/* Packs the codes of a picture, or what they are more than those of the first. */
-static gp_status pack_codes(struct coder *k, bool delta, int level, void **out,
-                            size_t *size)
+/* Packs the codes of a picture. */
+static gp_status pack_codes(struct coder *k, const uint16_t *v, int level,
+                            void **out, size_t *size)
 {
     const struct plan *const p = k->p;
     const size_t squares = (size_t) p->w * (size_t) p->h;
-    for (int c = 0; c < 3; c++) {
-        const uint16_t *const v = k->plane + p->n * (size_t) c;
-        const uint16_t *const base = k->base + p->n * (size_t) c;
+    for (int c = 0; c < 3; c++, v += p->n) {
         uint8_t *const high = k->out + 2 * p->n * (size_t) c;
         uint8_t *const low = high + p->n;
-        for (size_t i = 0; i < p->n && delta; i++)
-            k->left[i] = (uint16_t) (v[i] - base[i]);
-        const uint16_t *const from = delta ? k->left : v;
-        predict(from, p->w, p->h, high, low);
-        predict(from + squares, gp_rect_w(p->region), gp_rect_h(p->region),
+        predict(v, p->w, p->h, high, low);
+        predict(v + squares, gp_rect_w(p->region), gp_rect_h(p->region),
                 high + squares, low + squares);
     }
     return gp_zlib_pack(k->log, k->out, 6 * p->n, level, out, size);
@@ -388,9 +371,9 @@ static gp_status pack_map(struct coder *k, const uint8_t *map, int level,
 }
 
 /* Packs all pictures by a plan, each into what is said about it; *total is the
- * length of their text. `tries`: finds first which are shorter as differences. */
+ * length of their text. */
 static gp_status pack_all(const struct gp_log *log, const struct gp_page_set *s,
-                          struct plan *p, bool tries, int level, size_t *total)
+                          const struct plan *p, int level, size_t *total)
 {
     struct coder k;
     gp_status st;
@@ -398,122 +381,75 @@ static gp_status pack_all(const struct gp_log *log, const struct gp_page_set *s,
     GP_TRY(begin_coder(log, s, p, &k));
     for (int i = 0; i < s->n; i++) {
         const struct gp_page_picture *const picture = &s->picture[i];
-        void *bytes[2] = {NULL, NULL};
-        size_t n[2] = {0, 0};
-        make_codes(&k, i, i ? k.plane : k.base);
-        if (!i)
-            memcpy(k.plane, k.base, 6 * p->n);
-        for (int d = 0; d < 2 && !st; d++) {
-            if (d == p->delta[i] || (tries && i))
-                st = pack_codes(&k, d == 1, level, &bytes[d], &n[d]);
-        }
-        if (tries && i)
-            p->delta[i] = n[1] < n[0];
-        const int d = p->delta[i];
-        gp_free(bytes[!d]);
-        GP_TRY(st);
+        uint16_t *const codes = i ? k.plane : k.base;
         json_t *const to = picture->about;
-        GP_TRY(take(log, bytes[d], n[d], to, "rgb", total));
-        json_object_set_new(to, "delta", json_boolean(d));
+        void *bytes;
+        size_t n;
+        make_codes(&k, i, codes);
+        for (size_t at = 0; at < 3 * p->n && i; at++)
+            codes[at] = (uint16_t) (codes[at] - k.base[at]);
+        GP_TRY(pack_codes(&k, codes, level, &bytes, &n));
+        GP_TRY(take(log, bytes, n, to, "rgb", total));
         GP_TRY(pack_map(&k, picture->relative, level, to, "relative", total));
         GP_TRY(pack_map(&k, picture->flip, level, to, "flip", total));
     }
 out:
-    end_coder(&k);
+    gp_free(k.row);
     return st;
 }
 
 // -- a plan that fits --------------------------------------------------------------
 
-/* Differences of codes of green, by blocks: sums over all blocks before. */
-static gp_status sum_scores(const struct gp_log *log,
-                            const struct gp_page_set *s, int bw, int bh,
-                            uint64_t **out)
+/* Finds the pixel to keep, or where codes of green differ most; the middle where
+ * they are all equal. */
+static void find_middle(const struct gp_page_set *s, int *x, int *y)
 {
-    const size_t w = (size_t) gp_rect_w(s->window), row = (size_t) bw + 1;
-    const size_t h = (size_t) gp_rect_h(s->window);
-    const gp_status st =
-        gp_alloc_zero(log, "page", row * ((size_t) bh + 1), sizeof **out, out);
-    if (st)
-        return st;
-    uint64_t *const sum = *out;
+    const int w = gp_rect_w(s->window), h = gp_rect_h(s->window);
+    int most = 0;
+    *x = s->keep.x0;
+    *y = s->keep.y0;
+    if (!gp_rect_empty(s->keep))
+        return;
+    *x = w / 2;
+    *y = h / 2;
     for (int i = 1; i < s->n; i++) {
         const uint16_t *const a = s->picture[0].half[1];
         const uint16_t *const b = s->picture[i].half[1];
-        for (size_t at = 0; at < w * h; at++)
-            sum[(at / w / BLOCK + 1) * row + at % w / BLOCK + 1] +=
-                (uint64_t) abs((int16_t) a[at] - (int16_t) b[at]);
-    }
-    for (size_t y = 1; y <= (size_t) bh; y++) {
-        for (size_t x = 1; x <= (size_t) bw; x++)
-            sum[y * row + x] += sum[(y - 1) * row + x] + sum[y * row + x - 1] -
-                                sum[(y - 1) * row + x - 1];
-    }
-    return GP_OK;
-}
-
-/* A region of about `pixels`, as wide as the picture is, where the scores are
- * largest, with the pixel to keep; the middle where they are all equal. */
-static struct gp_rect find_region(const struct gp_page_set *s,
-                                  const uint64_t *sum, int bw, int bh,
-                                  double pixels)
-{
-    const double w = gp_rect_w(s->window), h = gp_rect_h(s->window);
-    const int rh = gp_clamp_whole(sqrt(pixels * h / w) / BLOCK, 1, bh);
-    const int rw = gp_clamp_whole(pixels / (rh * BLOCK * BLOCK), 1, bw);
-    const size_t row = (size_t) bw + 1;
-    uint64_t most = 0;
-    const bool keeps = !gp_rect_empty(s->keep);
-    const int kx = s->keep.x0 / BLOCK, ky = s->keep.y0 / BLOCK;
-    const int x0 = keeps ? gp_max(0, kx - rw + 1) : 0;
-    const int y0 = keeps ? gp_max(0, ky - rh + 1) : 0;
-    const int columns = (keeps ? gp_min(kx, bw - rw) : bw - rw) - x0 + 1;
-    const int rows = (keeps ? gp_min(ky, bh - rh) : bh - rh) - y0 + 1;
-    int at_x = x0 + columns / 2, at_y = y0 + rows / 2;
-    for (int n = -1, i = rows / 2 * columns + columns / 2; n < rows * columns;
-         i = ++n) { // the middle first
-        const int x = x0 + i % columns, y = y0 + i / columns;
-        const uint64_t *const a = sum + (size_t) y * row + x;
-        const uint64_t *const b = a + (size_t) rh * row;
-        const uint64_t v = b[rw] - b[0] - a[rw] + a[0];
-        if (v > most) {
-            most = v;
-            at_x = x;
-            at_y = y;
+        for (int at = 0; at < w * h; at++) {
+            const int d = abs((int16_t) a[at] - (int16_t) b[at]);
+            *x = d > most ? at % w : *x;
+            *y = d > most ? at / w : *y;
+            most = gp_max(most, d);
         }
     }
-    return (struct gp_rect) {
-        at_x * BLOCK,
-        at_y * BLOCK,
-        gp_min((at_x + rw) * BLOCK, (int) w),
-        gp_min((at_y + rh) * BLOCK, (int) h),
-    };
 }
 
-/* Adds a region to the plan of averages that takes `used`. */
+/* Adds a region to the plan of averages that takes `used`: as wide as the picture
+ * is, around a pixel. */
 static gp_status fill(const struct gp_log *log, const struct gp_page_set *s,
                       size_t bytes, size_t used, struct plan *p)
 {
-    const int bw = (gp_rect_w(s->window) + BLOCK - 1) / BLOCK;
-    const int bh = (gp_rect_h(s->window) + BLOCK - 1) / BLOCK;
+    const int w = gp_rect_w(s->window), h = gp_rect_h(s->window);
     const struct plan averages = *p;
-    uint64_t *sum = NULL;
+    int x, y;
     size_t total = bytes + 1;
-    gp_status st;
+    gp_status st = GP_OK;
     double pixels = 0.8 * ((double) bytes - (double) used) * (double) p->n /
                     (double) gp_max((int) used, 1);
-    GP_TRY(sum_scores(log, s, bw, bh, &sum));
-    for (int i = 0; i < 6 && total > bytes && pixels >= BLOCK * BLOCK; i++) {
-        p->region = find_region(s, sum, bw, bh, pixels);
+    find_middle(s, &x, &y);
+    for (int i = 0; i < 6 && total > bytes && pixels >= LEAST && !st; i++) {
+        const int rh = gp_clamp_whole(sqrt(pixels * h / w), 1, h);
+        const int rw = gp_clamp_whole(pixels / rh, 1, w);
+        const int x0 = gp_min(gp_max(x - rw / 2, 0), w - rw);
+        const int y0 = gp_min(gp_max(y - rh / 2, 0), h - rh);
+        p->region = (struct gp_rect) {x0, y0, x0 + rw, y0 + rh};
         p->n = averages.n + gp_rect_pixels(p->region);
-        GP_TRY(pack_all(log, s, p, false, FAST, &total));
+        st = pack_all(log, s, p, FAST, &total);
         pixels *= 0.9 * ((double) bytes - (double) used) /
                   fmax((double) total - (double) used, 1.0);
     }
     if (total > bytes)
         *p = averages;
-out:
-    gp_free(sum);
     return st;
 }
 
@@ -529,20 +465,18 @@ gp_status gp_page_pack(const struct gp_log *log, const struct gp_page_set *s,
     struct plan p =
         plan_of(s, gp_clamp_whole(ceil(sqrt(raw / (20.0 * (double) bytes))), 1,
                                   1 << 20));
-    GP_TRY(pack_all(log, s, &p, true, FAST, &total));
+    GP_TRY(pack_all(log, s, &p, FAST, &total));
     while ((double) total > (p.scale == 1 ? (double) bytes : wanted) &&
            p.n > 1) {
-        const struct plan before = p;
         p = plan_of(s, gp_max(p.scale + 1,
                               gp_clamp_whole(
                                   p.scale * sqrt(0.8 * (double) total / wanted),
                                   1, 1 << 20)));
-        memcpy(p.delta, before.delta, sizeof p.delta);
-        GP_TRY(pack_all(log, s, &p, false, FAST, &total));
+        GP_TRY(pack_all(log, s, &p, FAST, &total));
     }
     if (p.scale > 1 && total < bytes)
         GP_TRY(fill(log, s, bytes, total, &p));
-    GP_TRY(pack_all(log, s, &p, false, SMALL, &total));
+    GP_TRY(pack_all(log, s, &p, SMALL, &total));
     for (int i = 0; i < s->n; i++)
         json_array_append(list, s->picture[i].about);
     *out = json_pack("{si si si si si sI s[iiii] sO}", "x", s->window.x0, "y",
@@ -567,8 +501,8 @@ gp_status gp_page_thumb(const struct gp_log *log, const struct gp_page_set *s,
     GP_TRY(begin_coder(log, s, &p, &k));
     float *const v = (float *) (void *) k.base;
     for (size_t c = 0; c < 3; c++) {
-        average(s, &p, s->picture[i].half[c], k.row, k.left);
-        gp_half_to_float(k.left, v, p.n);
+        average(s, &p, s->picture[i].half[c], k.row, k.plane);
+        gp_half_to_float(k.plane, v, p.n);
         for (size_t at = 0; at < p.n; at++)
             k.out[3 * at + c] =
                 (uint8_t) lrintf(255.0f * gp_srgb_encode(gp_clamp01(v[at])));
@@ -578,6 +512,6 @@ gp_status gp_page_thumb(const struct gp_log *log, const struct gp_page_set *s,
     st = *out ? GP_OK : gp_no_memory_bare(log, "page");
 out:
     gp_free(bytes);
-    end_coder(&k);
+    gp_free(k.row);
     return st;
 }

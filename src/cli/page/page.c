@@ -30,7 +30,7 @@ gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
     const struct gp_texts *const in = &s->input.files;
     char *command = NULL;
     const gp_status st =
-        gp_command_text(log, s, in->at, in->n, GP_COMMAND_PAGE, &command);
+        gp_command_text(log, s, in->at, in->n, GP_COMMAND_ALL, &command);
     if (!st)
         *out = json_pack("{ss so ss so so}", "kind", kind, "title",
                          gp_json_name(title), "version", GP_VERSION, "command",

@@ -54,7 +54,7 @@ function restore(v, high, low, at, w, h) {
 function picture(set, i) {
   const p = set.pictures[i];
   p.ready = p.ready || (async () => {
-    const bytes = await inflate(p.rgb), base = p.delta ? await picture(set, 0) : null;
+    const bytes = await inflate(p.rgb), base = i ? await picture(set, 0) : null;
     const n = bytes.length / 6, w = Math.ceil(set.w / set.scale), h = Math.ceil(set.h / set.scale);
     const code = [0, 1, 2].map(c => {
       const v = new Int16Array(n), high = bytes.subarray(2 * c * n, (2 * c + 1) * n);
