@@ -274,32 +274,23 @@ static int by_error(const void *a, const void *b)
                : x->order - y->order;
 }
 
-/* Returns true where a new entry may have pictures of so many bytes, 0: of as many as
- * others have; `makes`: deletes those of less bad ones that are in the way. */
-static bool has_room(struct gp_compare_pages *p,
-                     const struct gp_page_entry *new, size_t bytes, size_t room,
-                     bool makes)
+/* Returns the least bad entry with pictures, and how many have some; or NULL. */
+static struct gp_page_entry *least_bad(const struct gp_compare_pages *p,
+                                       int *shown)
 {
-    while (true) {
-        struct gp_page_entry *least = NULL;
-        size_t shown = 0;
-        for (int i = 0; i < p->kept.n; i++) {
-            struct gp_page_entry *const k = &p->kept.at[i];
-            shown += k->bytes > 0;
-            if (k->bytes && (!least || by_error(k, least) > 0))
-                least = k;
-        }
-        if (!least || p->used + (bytes ? bytes : p->used / shown) <= room)
-            return true;
-        if (by_error(new, least) > 0 || !makes)
-            return by_error(new, least) < 0;
-        json_object_del(least->entry, "set");
-        p->used -= least->bytes;
-        least->bytes = 0;
+    struct gp_page_entry *least = NULL;
+    *shown = 0;
+    for (struct gp_page_entry *k = p->kept.at; k < p->kept.at + p->kept.n;
+         k++) {
+        *shown += k->bytes > 0;
+        if (k->bytes && (!least || by_error(k, least) > 0))
+            least = k;
     }
+    return least;
 }
 
-/* Adds pictures and a thumbnail to a new entry, as far as its page has room. */
+/* Adds pictures and a thumbnail to a new entry, as far as its page has room, which
+ * less bad ones make. */
 static gp_status fill(struct gp_compare_pages *p,
                       const struct gp_compare_row *e, struct gp_page_entry *new)
 {
@@ -307,24 +298,30 @@ static gp_status fill(struct gp_compare_pages *p,
     // picture says of itself up to about ABOUT)
     static const double SQUARE = 1.7, ABOUT = 4096.0, LEAST = 1024.0;
     const int parts = gp_max(e->parts, 1), all = p->pairs * parts;
-    const int pairs = gp_max(p->pattern.len ? parts : all, p->kept.n + 1);
+    const int pairs = gp_max(p->pattern.len ? parts : all, p->kept.n);
     const double room = (double) gp_page_room(p->s, 0);
     const double strip = (p->index ? INDEX : STRIP) * room;
     const int side = p->sequence || parts > 1
                          ? gp_clamp_whole(sqrt(strip / all / SQUARE), 16, 160)
                          : 0;
     p->text += bytes_of(new->entry);
-    const double text =
-        (double) p->text / (p->kept.n + 1) + SQUARE * side * side;
+    const double text = (double) p->text / p->kept.n + SQUARE * side * side;
     const double most = fmax(room - text * pairs, LEAST);
     const double share = fmax(most / gp_min(pairs, SHARES) - ABOUT, LEAST);
-    const gp_status st = show(p, e, has_room(p, new, 0, (size_t) most, false),
-                              (size_t) share, side, new);
-    if (new->bytes && !has_room(p, new, new->bytes, (size_t) most, true)) {
-        json_object_del(new->entry, "set");
-        new->bytes = 0;
-    }
+    int shown;
+    struct gp_page_entry *least = least_bad(p, &shown);
+    // (pictures take as much as others do)
+    const bool may = !least ||
+                     (double) (p->used + p->used / (size_t) shown) <= most ||
+                     by_error(new, least) < 0;
+    const gp_status st = show(p, e, may, (size_t) share, side, new);
     p->used += new->bytes;
+    while ((double) p->used > most && (least = least_bad(p, &shown)) &&
+           shown > 1) {
+        json_object_del(least->entry, "set");
+        p->used -= least->bytes;
+        least->bytes = 0;
+    }
     return st;
 }
 
@@ -348,17 +345,10 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
                                const struct gp_compare_row *e, json_t *facts)
 {
     const struct glarepp_compare_facts *const f = e->why ? NULL : e->facts;
-    struct gp_page_entry new = {
-        make_entry(p, e, facts),
-        e->result,
-        !f            ? (double) INFINITY
-        : f->has_flip ? f->flip
-                      : f->rel_l2,
-        p->kept.n,
-        0,
-    };
-    gp_status st = new.entry ? GP_OK : gp_no_memory(p->log, p->s->page.html);
-    GP_TRY(st);
+    const double error = !f            ? (double) INFINITY
+                         : f->has_flip ? f->flip
+                                       : f->rel_l2;
+    gp_status st;
     if (!p->page) {
         char title[512];
         snprintf(title, sizeof title, "%s and %s",
@@ -368,12 +358,12 @@ gp_status gp_compare_pages_add(struct gp_compare_pages *p,
         if (p->s->page.index && !p->index)
             GP_TRY(gp_page_make(p->log, p->s, "index", title, &p->index));
     }
+    GP_TRY(append(p->log, &p->kept,
+                  (struct gp_page_entry) {make_entry(p, e, facts), e->result,
+                                          error, p->kept.n, 0}));
     if (f)
-        GP_TRY(fill(p, e, &new));
-    st = append(p->log, &p->kept, new);
-    new.entry = NULL;
+        st = fill(p, e, &p->kept.at[p->kept.n - 1]);
 out:
-    json_decref(new.entry);
     return st;
 }
 
