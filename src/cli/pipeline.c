@@ -126,15 +126,13 @@ static size_t frame_bytes(const struct pipeline *p,
     const size_t pixels = gp_frame_pixels(&fs->file);
     const size_t pixel = p->run.s->lens.lens      ? LENS
                          : p->run.s->run.verify ? VERIFY : USUAL;
-    const size_t group =
-        (p->run.s->output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
+    const bool lit = p->run.s->output.hdr.n && !p->run.s->light.source;
+    const size_t group = (lit ? 6 : 3) * sizeof(float); // read, lit
     size_t bytes = pixels * pixel + carried_bytes(&fs->file);
     if (p->run.s->input.group_kernels.n)
         bytes += pixels * (p->run.s->run.verify ? MORE_VERIFY : MORE);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i]);
-    if (fs->source.path)
-        bytes += pixels * 3 * sizeof(float) + carried_bytes(&fs->source);
     if (fs->source_mask.v)
         bytes += pixels * sizeof(float);
     return bytes;

@@ -11,45 +11,40 @@
 
 // -- another frame's light ------------------------------------------------------
 
-/* Checks that a source is of the frame's pixels and colour. */
-static gp_status check_source(const struct gp_frame_state *fs)
-{
-    const struct gp_frame *const f = &fs->file, *const s = &fs->source;
-    bool alike = true;
-    if (memcmp(&f->data, &s->data, sizeof f->data) != 0)
-        return gp_fail(
-            fs->log, GP_ERR_DATA,
-            "%s: its data window is not that of %s (found %dx%d at %d,%d; "
-            "needs %dx%d at %d,%d); render both with one window",
-            s->path, f->path, gp_frame_w(s), gp_frame_h(s), s->data.x0,
-            s->data.y0, gp_frame_w(f), gp_frame_h(f), f->data.x0, f->data.y0);
-    for (int i = 0; i < 8; i++)
-        alike =
-            alike && fabsf(s->chromaticities[i] - f->chromaticities[i]) < 1e-3f;
-    return alike ? GP_OK
-                 : gp_fail(fs->log, GP_ERR_DATA,
-                           "%s: its primaries are not "
-                           "those of %s; convert one of them",
-                           s->path, f->path);
-}
-
 gp_status gp_read_source(const struct gp_run *r, struct gp_frame_state *fs)
 {
+    const struct gp_frame *const f = &fs->file;
+    struct gp_frame *const s = &fs->group[0];
     struct gp_read_params p = gp_read_limits(&r->s->input.read);
     char *name;
+    bool alike = true;
     gp_status st = GP_ERR_USAGE;
     if (!r->s->light.source)
         return GP_OK;
     GP_TRY(gp_job_beside(fs->log, fs->job, r->s->light.source, &name));
     p.view = r->jobs->views_inside ? fs->job->view : NULL;
-    st = p.view ? gp_read_frame(NULL, &p, name, &fs->source) : GP_ERR_USAGE;
+    st = p.view ? gp_read_frame(NULL, &p, name, s) : GP_ERR_USAGE;
     p.view = NULL; // a file without views is the light of each
     if (st)
-        st = gp_read_frame(fs->log, &p, name, &fs->source);
+        st = gp_read_frame(fs->log, &p, name, s);
     free(name);
-    if (!st)
-        st = check_source(fs);
-    fs->facts.read.source = fs->source.path;
+    GP_TRY(st);
+    fs->groups = 1;
+    fs->facts.read.source = s->path;
+    if (memcmp(&f->data, &s->data, sizeof f->data) != 0)
+        GP_TRY(gp_fail(
+            fs->log, GP_ERR_DATA,
+            "%s: its data window is not that of %s (found %dx%d at %d,%d; "
+            "needs %dx%d at %d,%d); render both with one window",
+            s->path, f->path, gp_frame_w(s), gp_frame_h(s), s->data.x0,
+            s->data.y0, gp_frame_w(f), gp_frame_h(f), f->data.x0, f->data.y0));
+    for (int i = 0; i < 8; i++)
+        alike &= fabsf(s->chromaticities[i] - f->chromaticities[i]) < 1e-3f;
+    if (!alike)
+        st = gp_fail(fs->log, GP_ERR_DATA,
+                     "%s: its primaries are not those of "
+                     "%s; convert one of them",
+                     s->path, f->path);
 out:
     return st;
 }

@@ -107,7 +107,6 @@ void gp_frame_state_end(struct gp_frame_state *fs)
     for (int i = 0; i < fs->groups; i++) // they borrow from the file
         gp_frame_free(&fs->group[i]);
     gp_free(fs->group);
-    gp_frame_free(&fs->source);
     gp_frame_free(&fs->file);
     gp_plane_free(&fs->depth);
     gp_plane_free(&fs->mask);
@@ -154,7 +153,7 @@ static bool writes_floats(const struct gp_run *r,
 static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
 {
     struct glarepp_frame_params p = gp_frame_params_of(fs->job, &fs->file);
-    const bool other = fs->source.path; // --source, as a group for its light
+    const bool other = r->s->light.source;
     const size_t room = (size_t) fs->groups + 1;
     struct glarepp_image *group = NULL;
     struct glarepp_group *how = NULL;
@@ -163,24 +162,21 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     GP_TRY(gp_alloc(fs->log, "light groups", room, sizeof *group, &group));
     GP_TRY(gp_alloc(fs->log, "light groups", room, sizeof *how, &how));
     for (int i = 0; i < fs->groups; i++) {
-        const struct gp_light_group *const g = &r->s->input.group[i];
         group[i] = gp_frame_view(&fs->group[i], &fs->group[i].rgb);
-        how[i] = (struct glarepp_group) {g->more, g->gain};
-    }
-    if (other) {
-        group[0] = gp_frame_view(&fs->source, &fs->source.rgb);
-        how[0] = (struct glarepp_group) {0, 1.0f};
+        how[i] = other ? (struct glarepp_group) {0, 1.0f}
+                       : (struct glarepp_group) {r->s->input.group[i].more,
+                                                 r->s->input.group[i].gain};
     }
     p.in_place = true;
     p.group = group;
-    p.groups = other ? 1 : fs->groups;
+    p.groups = fs->groups;
     p.how = how;
     p.groups_glare = other || !r->s->output.hdr.n;
     p.last = fs->own || fs->job - r->jobs->job == r->jobs->n - 1;
     p.layer_ends = r->layer_ends;
     p.details = r->details;
     p.parts = r->s->output.parts.n > 0;
-    p.parts_of_groups = fs->groups > 0;
+    p.parts_of_groups = r->s->input.light_groups.n > 0;
     const struct gp_run_settings *const run =
         fs->own ? &fs->own->s.run : &r->s->run;
     if (run->luminance_scale > 0.0)
@@ -232,15 +228,11 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         window = gp_grow_align(&fs->file, window);
         for (int i = 0; i < fs->groups; i++)
             window = gp_grow_align(&fs->group[i], window);
-        if (fs->source.path)
-            window = gp_grow_align(&fs->source, window);
     } while (memcmp(&window, &before, sizeof window) != 0);
     GP_TRY(gp_grow_check(log, &fs->file, window, s->input.read.max_pixels));
     GP_TRY(gp_grow(log, &p, window, &fs->file));
     for (int i = 0; i < fs->groups; i++)
         GP_TRY(gp_grow(log, &p, window, &fs->group[i]));
-    if (fs->source.path)
-        GP_TRY(gp_grow(log, &p, window, &fs->source));
 out:
     return st;
 }
@@ -261,12 +253,10 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
                 : gp_read_frame(log, &p, fs->job->input, &fs->file));
     if (r->jobs->views_found && fs->view == 0)
         GP_TRY(gp_jobs_check_views(log, &r->s->input.read, r->jobs, &fs->file));
-    if (groups) {
-        GP_TRY(gp_alloc_zero(log, "light groups", (size_t) groups,
-                             sizeof *fs->group, &fs->group));
-        facts->group = r->s->input.group;
-        facts->groups = groups;
-    }
+    GP_TRY(gp_alloc_zero(log, "light groups", (size_t) groups + 1,
+                         sizeof *fs->group, &fs->group));
+    facts->group = r->s->input.group;
+    facts->groups = groups;
     for (; fs->groups < groups; fs->groups++) {
         const struct gp_light_group *const g = &facts->group[fs->groups];
         facts->grouped = facts->grouped || g->kernel || g->gain != 1.0f;
@@ -529,8 +519,8 @@ static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
                            const char *name, struct gp_write_stats *stats)
 {
     const struct gp_log *const log = fs->log;
-    const size_t most =
-        (size_t) views * (1 + (size_t) r->s->input.light_groups.n);
+    const int groups = r->s->input.light_groups.n;
+    const size_t most = (size_t) views * (1 + (size_t) groups);
     struct gp_hdr_colour *set = NULL;
     gp_status st;
     int n = 0;
@@ -544,7 +534,7 @@ static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
         GP_TRY(look_at(&fs[i], GLAREPP_OUTPUT, 0, &set[n++].planes, NULL));
     }
     for (int i = 0; i < views; i++) {
-        for (int g = 0; g < fs[i].groups; g++) {
+        for (int g = 0; g < groups; g++) {
             set[n].f = &fs[i].group[g];
             GP_TRY(
                 look_at(&fs[i], GLAREPP_OUTPUT, g + 1, &set[n++].planes, NULL));
@@ -563,7 +553,7 @@ static gp_status write_parts(const struct gp_run *r, struct gp_frame_state *fs,
 {
     const char **names = NULL;
     struct gp_planes *part = NULL;
-    const int n = GP_PART_NAMES + fs->groups;
+    const int n = GP_PART_NAMES + r->s->input.light_groups.n;
     struct gp_write_params own = *p;
     own.type = p->type ? p->type : GP_OUT_FLOAT; // halfs would not add up
     gp_status st;

@@ -38,9 +38,9 @@ struct gp_frame_state {
     const struct gp_job *job;      // borrowed
     int view;                      // index among the views of its input
     struct gp_frame file;          // as it was read
-    struct gp_frame *group;        // `groups` layers of --light-group, which
-    int groups;                    // borrow from the file
-    struct gp_frame source;        // of --source; path NULL: none
+    struct gp_frame *group; // `groups` frames whose light glares: layers of
+    int groups;             // --light-group, which borrow from the file, or
+                            // --source
     struct gp_plane depth, mask, normal[3], albedo[3], source_mask;
     struct gp_stored_image deep;
     char *deep_name; // its file, if that is not the frame's; owned
@@ -97,7 +97,7 @@ struct gp_run {
 GP_MUST_CHECK gp_status gp_run_occluders(const struct gp_run *r,
                                          struct gp_frame_state *fs);
 
-/* Reads --source. Errors: GP_ERR_DATA its data window or primaries are not those
+/* Reads --source as a group. Errors: GP_ERR_DATA its data window or primaries are not those
  * of the frame as it was read. */
 GP_MUST_CHECK gp_status gp_read_source(const struct gp_run *r,
                                        struct gp_frame_state *fs);
