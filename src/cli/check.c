@@ -2,7 +2,7 @@
 /* Checks settings that depend on each other. The option table has the needs of
  * each option as bits (options.h); this file has their conditions and their
  * messages. */
-#include "cli/options.h"
+#include "cli/jobs.h"
 
 #include "io/file.h"
 
@@ -16,7 +16,7 @@
 static bool open_ended(const char *path)
 {
     char ending[16];
-    if (!path || !gp_file_is_straight(path))
+    if (!gp_file_is_straight(path))
         return false;
     gp_file_ending(path, ending, sizeof ending);
     return ending[0] == '\0';
@@ -33,21 +33,12 @@ struct need {
 static void look_at_outputs(const struct gp_settings *s, bool *files,
                             bool *stream)
 {
-    const struct gp_output_settings *const o = &s->output;
-    const struct gp_texts outputs[] = {
-        o->pictures,
-        o->hdr,
-        o->layer,
-        o->parts,
-        {(const char **) (uintptr_t) o->debug, GP_DEBUG_KINDS},
-    };
-    *files = *stream = false;
-    for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++) {
-        for (int i = 0; i < outputs[k].n; i++) {
-            *files |= outputs[k].at[i] != NULL;
-            *stream |= open_ended(outputs[k].at[i]);
-        }
-    }
+    enum gp_target_kind kind;
+    const char *path;
+    int i = 0;
+    for (*stream = false; (path = gp_output_at(s, i, &kind)); i++)
+        *stream |= open_ended(path);
+    *files = i > 0;
 }
 
 /* All needs: the i-th is of bit 1 << i, and they are checked in this order. */

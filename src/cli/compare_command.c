@@ -25,7 +25,7 @@ struct run {
     struct gp_pattern in[2];             // .len 0: a plain file
     struct gp_pattern picture[PICTURES]; // .path NULL: not wanted
     struct gp_frames frames;             // n 0: one pair of plain files
-    FILE *json;                          // NULL: not wanted
+    struct gp_file *json;                // NULL: not wanted
     struct gp_compare_pages pages;
     int worst;                           // exit status
     int count[GP_COMPARE_FILE + 1];
@@ -350,9 +350,9 @@ static gp_status report_pair(struct run *r, int result, const char *why)
     if (r->json) { // an object a line
         char *const text = gp_json_print(json_incref(facts),
                                          JSON_COMPACT | JSON_REAL_PRECISION(9));
-        st = text && fprintf(r->json, "%s\n", text) > 0
-                 ? GP_OK
-                 : gp_no_memory(r->log, r->s->bench.json);
+        st = text ? gp_file_write(r->json, text, strlen(text))
+                  : gp_no_memory(r->log, r->s->bench.json);
+        st = st ? st : gp_file_write(r->json, "\n", 1);
         free(text);
     }
     if (in_full(r))
@@ -584,8 +584,8 @@ static gp_status find_frames(struct run *r)
         if (i == HEATMAP || gp_write_check(NULL, &r->write, path) != GP_ERR_IO)
             GP_TRY(gp_write_check(r->log, &r->write, path));
     }
-    if (json && !gp_is_dash(json))
-        GP_TRY(gp_file_check(r->log, json, false));
+    if (json)
+        GP_TRY(gp_file_open(r->log, json, false, false, &r->json));
     GP_TRY(gp_compare_pages_begin(r->log, r->s, r->frames.n, &r->pages));
     GP_TRY(check_names(r));
 out:
@@ -629,9 +629,7 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
         .picture = {{.path = s->compare.heatmap},
                     {.path = s->compare.difference}},
     };
-    const char *const json = s->bench.json;
-    char *text = NULL, *command = NULL;
-    size_t size = 0;
+    char *command = NULL;
     gp_status st;
     if (!s->output.no_provenance &&
         (s->compare.heatmap || s->compare.difference))
@@ -639,25 +637,14 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
                                GP_COMMAND_NAMES, &command));
     r.write.command = command;
     r.write.dither = GP_DITHER_NEVER; // equal values become equal codes
-    r.json = json ? open_memstream(&text, &size) : NULL;
-    if (json && !r.json)
-        GP_TRY(gp_no_memory(log, json));
     GP_TRY(find_frames(&r));
     GP_TRY(compare_all(&r));
-    if (r.json) {
-        const bool closed = fclose(r.json) == 0;
-        r.json = NULL;
-        if (!closed)
-            GP_TRY(gp_no_memory(log, json));
-    }
     GP_TRY(gp_flush_stdout(log));
     GP_TRY(gp_compare_pages_write(&r.pages, 0, true));
-    if (json)
-        GP_TRY(gp_file_save(log, json, false, false, text, size));
-out:
     if (r.json)
-        fclose(r.json);
-    free(text);
+        GP_TRY(gp_file_commit(&r.json));
+out:
+    gp_file_discard(&r.json);
     free(command);
     gp_frames_free(&r.frames);
     gp_compare_pages_free(&r.pages);

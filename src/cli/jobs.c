@@ -334,16 +334,30 @@ const struct gp_target_row gp_targets[] = {
     [GP_TARGET_SUNMAP] = {"--debug sunmap", "sun maps", GLAREPP_SUNMAP},
     [GP_TARGET_INTENSITY] = {"--debug intensity", "intensity map",
                              GLAREPP_INTENSITY},
+    [GP_TARGET_SCISSOR] = {"--debug scissor", "", GLAREPP_SHOWN},
+    [GP_TARGET_SETS] = {"--debug sets", "", GLAREPP_SOURCES},
 };
 
 const char *const gp_part_names[] = {"veil", "core", "flare", "ghosts"};
 
-static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
-                            enum gp_target_kind kind, const char *path)
+const char *gp_output_at(const struct gp_settings *s, int i,
+                         enum gp_target_kind *kind)
 {
-    struct gp_output *t = &j->target[j->targets++];
-    t->kind = kind;
-    return gp_pattern_find(log, path, &t->name);
+    // --hdr first: it may copy from an input that a later output replaces
+    const struct gp_texts *const list[] = {&s->output.hdr, &s->output.layer,
+                                           &s->output.parts,
+                                           &s->output.pictures};
+    for (unsigned k = 0; k < sizeof list / sizeof *list; i -= list[k++]->n) {
+        *kind = k;
+        if (i < list[k]->n)
+            return list[k]->at[i];
+    }
+    for (unsigned k = 0; k < GP_DEBUG_KINDS; k++) {
+        *kind = GP_TARGET_SENSORS + k;
+        if (s->output.debug[k] && i-- == 0)
+            return s->output.debug[k];
+    }
+    return NULL;
 }
 
 // -- checks ------------------------------------------------------------------
@@ -554,25 +568,16 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     gp_status st;
     struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
-    GP_TRY(gp_alloc_zero(log, "output list",
-                         (size_t) (s->output.hdr.n + s->output.layer.n +
-                                   s->output.parts.n + s->output.pictures.n) +
-                             GP_DEBUG_KINDS,
-                         sizeof *j.target, &j.target));
-    // --hdr first: it may copy from an input that a later output replaces
-    for (int i = 0; i < s->output.hdr.n; i++)
-        GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->output.hdr.at[i]));
-    for (int i = 0; i < s->output.layer.n; i++)
-        GP_TRY(add_target(log, &j, GP_TARGET_LAYER, s->output.layer.at[i]));
-    for (int i = 0; i < s->output.parts.n; i++)
-        GP_TRY(add_target(log, &j, GP_TARGET_PARTS, s->output.parts.at[i]));
-    for (int i = 0; i < s->output.pictures.n; i++)
-        GP_TRY(
-            add_target(log, &j, GP_TARGET_PICTURE, s->output.pictures.at[i]));
-    for (unsigned i = 0; i < GP_DEBUG_SCISSOR; i++) {
-        if (s->output.debug[i])
-            GP_TRY(add_target(log, &j, GP_TARGET_SENSORS + i,
-                              s->output.debug[i]));
+    enum gp_target_kind kind;
+    size_t outputs = 0;
+    while (gp_output_at(s, (int) outputs, &kind))
+        outputs++;
+    GP_TRY(gp_alloc_zero(log, "output list", outputs + 1, sizeof *j.target,
+                         &j.target));
+    for (const char *path; (path = gp_output_at(s, j.targets, &kind));) {
+        struct gp_output *const t = &j.target[j.targets++];
+        t->kind = kind;
+        GP_TRY(gp_pattern_find(log, path, &t->name));
     }
     GP_TRY(add_inputs(log, s, &j, &patterns));
     const bool piped = gp_is_dash(j.job[0].input);

@@ -17,12 +17,19 @@ enum gp_target_kind {
     GP_TARGET_POLYGONS,
     GP_TARGET_SUNMAP,
     GP_TARGET_INTENSITY,
+    GP_TARGET_SCISSOR,
+    GP_TARGET_SETS,
 };
 struct gp_target_row {
     const char *option, *text; // the text for notes
     enum glarepp_view view;
 };
 extern const struct gp_target_row gp_targets[];
+
+/* The i-th file that --hdr, --layer, --parts, -o and --debug name, in writing
+ * order, and its kind; NULL after the last. */
+const char *gp_output_at(const struct gp_settings *s, int i,
+                         enum gp_target_kind *kind);
 
 /* A file, or one for each frame or view when its name is a pattern. */
 struct gp_output {

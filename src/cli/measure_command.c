@@ -18,7 +18,7 @@ enum { ROWS = sizeof ((struct glarepp_sets *) 0)->row /
 
 // -- sets: files ---------------------------------------------------------------
 
-/* Writes a picture, where it is asked for. */
+/* Writes a picture. */
 static gp_status write_picture(const struct gp_log *log,
     const struct gp_settings *s, struct glarepp_sets *sets, const char *path,
     enum glarepp_view view)
@@ -27,9 +27,8 @@ static gp_status write_picture(const struct gp_log *log,
     struct glarepp_image image;
     struct gp_frame f =
         gp_frame_blank((struct gp_rect) {0, 0, s->making.w, s->making.h});
-    const gp_status st =
-        path ? (gp_status) glarepp_sets_view(sets, view, &image) : GP_OK;
-    if (!path || st)
+    const gp_status st = (gp_status) glarepp_sets_view(sets, view, &image);
+    if (st)
         return st;
     for (int c = 0; c < 3; c++)
         f.rgb.c[c] = image.plane[c]; // borrowed
@@ -111,6 +110,8 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
 {
     struct glarepp_sets_params p = s->sets;
     struct glarepp_sets sets = {.own = NULL};
+    enum gp_target_kind kind;
+    const char *path;
     gp_status st;
     p.path = s->input.files.at[0];
     p.camera = s->scene.camera;
@@ -118,14 +119,8 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     p.w = s->making.w;
     p.h = s->making.h;
     p.gl = s->light.layer.gl;
-    const struct gp_texts *const pictures = &s->output.pictures;
-    const char *const *const debug = s->output.debug;
-    for (int i = 0; i < pictures->n; i++)
-        GP_TRY(gp_write_check(log, &s->output.write, pictures->at[i]));
-    for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
-        if (debug[i])
-            GP_TRY(gp_write_check(log, &s->output.write, debug[i]));
-    }
+    for (int i = 0; (path = gp_output_at(s, i, &kind)); i++)
+        GP_TRY(gp_write_check(log, &s->output.write, path));
     GP_TRY(gp_output_guard_check(log, s, "scene", p.path));
     GP_TRY(glarepp_sets(gp, &p, &sets));
     for (int i = 0; i < ROWS; i++)
@@ -134,12 +129,10 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
         print_table(s, &sets);
     if (s->bench.json)
         GP_TRY(save_json(log, s, &sets));
-    for (int i = 0; i < pictures->n; i++)
-        GP_TRY(write_picture(log, s, &sets, pictures->at[i], GLAREPP_LIT));
-    GP_TRY(write_picture(log, s, &sets, debug[GP_DEBUG_SCISSOR],
-                         GLAREPP_SHOWN));
-    GP_TRY(write_picture(log, s, &sets, debug[GP_DEBUG_SETS],
-                         GLAREPP_SOURCES));
+    for (int i = 0; (path = gp_output_at(s, i, &kind)); i++)
+        GP_TRY(write_picture(
+            log, s, &sets, path,
+            kind == GP_TARGET_PICTURE ? GLAREPP_LIT : gp_targets[kind].view));
     st = gp_flush_stdout(log);
 out:
     glarepp_sets_end(&sets);

@@ -239,17 +239,13 @@ gp_status gp_output_guard_input(const struct gp_output_guard *c, const char *wha
 gp_status gp_output_guard_check(const struct gp_log *log,
     const struct gp_settings *s, const char *what, const char *path)
 {
-    const struct gp_texts *const pictures = &s->output.pictures;
     struct gp_output_guard c = {.log = log, .s = s};
+    enum gp_target_kind kind;
+    const char *out;
     gp_status st = GP_OK;
-    for (int i = 0; i < pictures->n && !st; i++)
-        st = gp_output_guard_add(&c, pictures->at[i], "-o", pictures->at[i],
-                                 NULL);
-    for (int i = 0; i < GP_DEBUG_KINDS && !st; i++) {
-        const char *const debug = s->output.debug[i];
-        if (debug)
-            st = gp_output_guard_add(&c, debug, "--debug", debug, NULL);
-    }
+    for (int i = 0; (out = gp_output_at(s, i, &kind)) && !st; i++)
+        st = gp_output_guard_add(
+            &c, out, kind == GP_TARGET_PICTURE ? "-o" : "--debug", out, NULL);
     if (!st)
         st = gp_output_guard_settle(&c);
     if (!st && path)

@@ -69,39 +69,25 @@ static int by_distance(const void *a, const void *b)
                                   : x->track - y->track;
 }
 
-/* Lists lights and tracks that may be one, to `out` if there is one. Returns how
- * many. */
-static size_t list_pairs(const struct gp_tracks *t,
-                         const struct glarepp_facts *f, int frame, int height,
-                         struct pair *out)
-{
-    size_t n = 0;
-    for (int k = 0; k < t->n; k++) {
-        for (int i = 0; i < f->lights; i++) {
-            const double d =
-                f->light[i].found
-                    ? apart(&t->track[k], &f->light[i], frame, height)
-                    : INFINITY;
-            if (out && d < INFINITY)
-                out[n] = (struct pair) {d, i, k};
-            n += d < INFINITY;
-        }
-    }
-    return n;
-}
-
 gp_status gp_tracks_add(const struct gp_log *log, struct gp_tracks *t,
                         const struct glarepp_facts *f, int frame, int height)
 {
-    const size_t pairs = list_pairs(t, f, frame, height, NULL);
+    const size_t most = (size_t) t->n * (size_t) f->lights;
+    size_t pairs = 0;
     struct pair *pair = NULL;
     bool *added = NULL;
     void *tracks = t->track;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) f->lights + 1, sizeof *added,
                          &added));
-    GP_TRY(gp_alloc(log, "lights", pairs + 1, sizeof *pair, &pair));
-    (void) list_pairs(t, f, frame, height, pair);
+    GP_TRY(gp_alloc(log, "lights", most + 1, sizeof *pair, &pair));
+    for (int k = 0; k < t->n; k++) {
+        for (int i = 0; i < f->lights; i++) {
+            const double d = apart(&t->track[k], &f->light[i], frame, height);
+            if (f->light[i].found && d < INFINITY)
+                pair[pairs++] = (struct pair) {d, i, k};
+        }
+    }
     qsort(pair, pairs, sizeof *pair, by_distance); // the nearest first
     for (const struct pair *p = pair; p < pair + pairs; p++) {
         struct gp_track *const own = &t->track[p->track];
