@@ -411,20 +411,6 @@ static gp_status set_lights_file(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Checks numbers of suns and their maps. */
-static gp_status check_lights(const struct gp_log *log,
-                              const struct gp_sun_settings *sun)
-{
-    if (sun->color.n == 2)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--sun-color: two numbers; give one or three");
-    if (sun->p.side % 2)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--sun-map: odd (found %d); give an even number",
-                       sun->p.side);
-    return GP_OK;
-}
-
 /* Checks what is compared. */
 static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
 {
@@ -572,7 +558,13 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     GP_TRY(check_needs(log, s, false));
     GP_TRY(check_grow(log, s));
     GP_TRY(check_groups(log, s));
-    GP_TRY(check_lights(log, sun));
+    if (sun->color.n == 2)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "--sun-color: two numbers; give one or three"));
+    if (sun->p.side % 2)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "--sun-map: odd (found %d); give an even number",
+                       sun->p.side));
     if (sun->relight.n && s->scene.light_scale > 0.0 && !sun->p.in_frame)
         gp_say(warn, GP_LEVEL_WARN,
                "--relight: its lamps glare as discs, too; add --sun-in-frame "

@@ -217,21 +217,6 @@ static json_t *row_json(const struct gp_compare_row *r, bool numbered)
 
 // -- pictures ----------------------------------------------------------------
 
-/* Writes FLIP at each pixel of the window that is blank in `f`. */
-static gp_status draw_flip(const struct run *r, struct gp_frame *f)
-{
-    struct glarepp_image map = GLAREPP_IMAGE;
-    struct gp_write_stats stats = {0};
-    gp_status st;
-    GP_TRY(glarepp_compare_view(r->row.compare, -1, false, 1.0f, &map));
-    const struct gp_planes shown = {{map.plane[0], map.plane[1], map.plane[2]}};
-    GP_TRY(gp_write_picture(r->log, &r->write, f->path, f, &shown,
-                            GP_PICTURE_SHOWN, &stats));
-out:
-    glarepp_image_end(&map);
-    return st;
-}
-
 /* Copies the difference of a pair. */
 static gp_status subtract(const struct run *r, int pair, size_t pixels,
                           float *to)
@@ -365,16 +350,28 @@ static gp_status report_pair(struct run *r, int result, const char *why)
     return st;
 }
 
-/* Writes a picture of the frame, once. */
+/* Writes a picture of the frame, once: FLIP at each pixel, or the difference. */
 static gp_status draw(struct run *r, int which)
 {
+    struct glarepp_image map = GLAREPP_IMAGE;
+    struct gp_write_stats stats = {0};
     struct gp_frame f = gp_frame_blank(r->row.facts->window);
+    gp_status st;
     f.path = gp_pattern_name(&r->picture[which], r->row.frame, NULL);
-    const gp_status st = !f.path ? gp_no_memory(r->log, r->picture[which].path)
-                         : which == HEATMAP ? draw_flip(r, &f)
-                                            : draw_difference(r, &f);
+    if (!f.path)
+        GP_TRY(gp_no_memory(r->log, r->picture[which].path));
+    if (which == HEATMAP) {
+        GP_TRY(glarepp_compare_view(r->row.compare, -1, false, 1.0f, &map));
+        const struct gp_planes shown = {
+            {map.plane[0], map.plane[1], map.plane[2]}};
+        GP_TRY(gp_write_picture(r->log, &r->write, f.path, &f, &shown,
+                                GP_PICTURE_SHOWN, &stats));
+    } else
+        GP_TRY(draw_difference(r, &f));
+    r->drawn[which] = true;
+out:
+    glarepp_image_end(&map);
     gp_frame_free(&f);
-    r->drawn[which] = !st;
     return st;
 }
 

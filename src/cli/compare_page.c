@@ -426,10 +426,20 @@ static gp_status write_page(const struct gp_compare_pages *p, const char *path,
     return gp_page_save(p->log, p->s, path, page);
 }
 
-/* Lists the entries of a page in the index, without their pictures. */
+/* Lists the entries of a page in the index, without their pictures, and links it
+ * back: up as many folders as its `path` goes down. */
 static gp_status list_page(struct gp_compare_pages *p, const char *path)
 {
+    const char *const index = p->s->page.index;
+    char up[PATH_MAX] = "";
     gp_status st = GP_OK;
+    size_t n = 0;
+    for (const char *at = path; (at = strchr(at, '/')) && n + 4 < sizeof up;
+         at++)
+        n += (size_t) snprintf(up + n, sizeof up - n, "../");
+    if (!gp_is_dash(index))
+        json_object_set_new(p->page, "index",
+                            json_sprintf("%s%s", up, gp_base_name(index)));
     for (int i = 0; i < p->kept.n && !st; i++) {
         struct gp_page_entry e = p->kept.at[i];
         e.entry = json_copy(e.entry);
@@ -441,18 +451,6 @@ static gp_status list_page(struct gp_compare_pages *p, const char *path)
     return st;
 }
 
-/* Links the present page to the index: up as many folders as its `link` goes down. */
-static void link_back(struct gp_compare_pages *p, const char *link)
-{
-    const char *const index = p->s->page.index;
-    char up[PATH_MAX] = "";
-    for (size_t n = 0; (link = strchr(link, '/')) && n + 4 < sizeof up; link++)
-        n += (size_t) snprintf(up + n, sizeof up - n, "../");
-    if (!gp_is_dash(index))
-        json_object_set_new(p->page, "index",
-                            json_sprintf("%s%s", up, gp_base_name(index)));
-}
-
 gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
                                  bool last)
 {
@@ -462,11 +460,8 @@ gp_status gp_compare_pages_write(struct gp_compare_pages *p, int frame,
         path = gp_pattern_name(&p->pattern, frame, NULL);
         if (!path)
             GP_TRY(gp_no_memory(p->log, p->s->page.html));
-        if (p->index) {
-            const char *const link = link_of(p->s->page.index, path);
-            link_back(p, link);
-            GP_TRY(list_page(p, link));
-        }
+        if (p->index)
+            GP_TRY(list_page(p, link_of(p->s->page.index, path)));
         st = write_page(p, path, p->page, &p->kept);
         p->page = NULL;
         p->used = p->text = 0;

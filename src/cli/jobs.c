@@ -340,26 +340,6 @@ const struct gp_target_row gp_targets[] = {
 
 const char *const gp_part_names[] = {"veil", "core", "flare", "ghosts"};
 
-const char *gp_output_at(const struct gp_settings *s, int i,
-                         enum gp_target_kind *kind)
-{
-    // --hdr first: it may copy from an input that a later output replaces
-    const struct gp_texts *const list[] = {&s->output.hdr, &s->output.layer,
-                                           &s->output.parts,
-                                           &s->output.pictures};
-    for (unsigned k = 0; k < sizeof list / sizeof *list; i -= list[k++]->n) {
-        *kind = k;
-        if (i < list[k]->n)
-            return list[k]->at[i];
-    }
-    for (unsigned k = 0; k < GP_DEBUG_KINDS; k++) {
-        *kind = GP_TARGET_SENSORS + k;
-        if (s->output.debug[k] && i-- == 0)
-            return s->output.debug[k];
-    }
-    return NULL;
-}
-
 // -- checks ------------------------------------------------------------------
 
 /* Checks that several frames have patterns, and several views have %V.

@@ -191,15 +191,6 @@ void gp_quantity_set(const struct gp_option *o, const struct gp_quantity *q,
 
 enum { MOST_BYTES = 4 << 20 }; // of a file
 
-/* True for options whose value may be another in each frame: what is made once
- * for a run, or known before a frame is read, is in other groups. */
-static bool may_change(const struct gp_option *o)
-{
-    return o->kind != GP_KIND_INT && o->kind != GP_KIND_COUNT &&
-           (o->group == GP_GROUP_LIGHT || o->group == GP_GROUP_SUN ||
-            o->group == GP_GROUP_TONE);
-}
-
 /* Adds a key, of a frame and a value as words. */
 static gp_status add_key(const struct gp_log *log, const char *frame,
                          const char *value, struct gp_keyed *k)
@@ -315,7 +306,13 @@ gp_status gp_keys_read(const struct gp_use *u, struct gp_settings *s)
     void *block = s->keyed, *text = NULL;
     uint64_t size = 0;
     gp_status st;
-    if (!may_change(u->option) || s->command != GP_COMMAND_MAIN)
+    // what is made once for a run, or known before a frame is read, is in other
+    // groups
+    const struct gp_option *const o = u->option;
+    if (o->kind == GP_KIND_INT || o->kind == GP_KIND_COUNT ||
+        (o->group != GP_GROUP_LIGHT && o->group != GP_GROUP_SUN &&
+         o->group != GP_GROUP_TONE) ||
+        s->command != GP_COMMAND_MAIN)
         return gp_fail(log, GP_ERR_USAGE,
                        "--%s: takes no keys here (found %s), as it is the same "
                        "for all frames; give one value",

@@ -321,29 +321,24 @@ gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
 /* The frame that an image borrows from. */
 static _Thread_local struct gp_frame lent;
 
-static gp_status read_alpha(const struct gp_listener *l,
-                            const struct glarepp_picture *p,
-                            struct glarepp_image *out)
-{
-    struct gp_coverage a;
-    const gp_status st = gp_read_coverage(l->log, &l->s->input.read, p->path,
-                                          p->bytes, p->n, p->most, &a);
-    if (st)
-        return st;
-    out->type = GLAREPP_CODES;
-    out->plane[0] = a.code;
-    out->data = (struct glarepp_rect) {0, 0, a.w, a.h};
-    return GP_OK;
-}
-
 int gp_picture_read(void *user, const struct glarepp_picture *p,
                     struct glarepp_image *out, struct glarepp_label *label)
 {
     const struct gp_listener *const l = user;
     const struct gp_read_params limits = gp_read_limits(&l->s->input.read);
-    if (p->alpha)
-        return (int) read_alpha(l, p, out);
-    gp_status st = gp_read_frame(l->log, &limits, p->path, &lent);
+    gp_status st;
+    if (p->alpha) {
+        struct gp_coverage a;
+        st = gp_read_coverage(l->log, &l->s->input.read, p->path, p->bytes,
+                              p->n, p->most, &a);
+        if (st)
+            return (int) st;
+        out->type = GLAREPP_CODES;
+        out->plane[0] = a.code;
+        out->data = (struct glarepp_rect) {0, 0, a.w, a.h};
+        return GP_OK;
+    }
+    st = gp_read_frame(l->log, &limits, p->path, &lent);
     if (!st)
         st = gp_label_read(l->log, &lent, label);
     if (st) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The commands; lists that the table of options names: its headings, the styles, and
  * values that the library lists. */
-#include "cli/options.h"
+#include "cli/jobs.h"
 
 #include <limits.h>
 #include <string.h>
@@ -114,6 +114,26 @@ bool gp_lights_wanted(const struct gp_settings *s)
 {
     return s->sun.at.n || s->sun.dir.n || s->sun.p.cameras || s->sun.p.file ||
            s->scene.path;
+}
+
+const char *gp_output_at(const struct gp_settings *s, int i,
+                         enum gp_target_kind *kind)
+{
+    // --hdr first: it may copy from an input that a later output replaces
+    const struct gp_texts *const list[] = {&s->output.hdr, &s->output.layer,
+                                           &s->output.parts,
+                                           &s->output.pictures};
+    for (unsigned k = 0; k < sizeof list / sizeof *list; i -= list[k++]->n) {
+        *kind = k;
+        if (i < list[k]->n)
+            return list[k]->at[i];
+    }
+    for (unsigned k = 0; k < GP_DEBUG_KINDS; k++) {
+        *kind = GP_TARGET_SENSORS + k;
+        if (s->output.debug[k] && i-- == 0)
+            return s->output.debug[k];
+    }
+    return NULL;
 }
 
 // -- headings ----------------------------------------------------------------

@@ -65,36 +65,32 @@ static void print_table(const struct gp_settings *s,
     }
 }
 
-static json_t *row_json(const struct glarepp_sets_row *r)
-{
-    return json_pack(
-        "{ss si si si si si si si si sI sf sf sb}", "sets", r->name, "visible",
-        r->visible, "lit", r->lit, "casters", r->casters, "lights", r->lights,
-        "passes", r->passes, "batches", r->batches, "shadow_batches",
-        r->shadow_batches, "batches_separate", r->separate_batches,
-        "fragments", (json_int_t) r->fragments, "ms", r->ms, "cpu_ms",
-        r->cpu_ms, "same_picture", r->same);
-}
-
-static json_t *light_json(const struct glarepp_sets *sets, int i)
-{
-    const struct gp_rect r = sets->scissor[i];
-    const bool off = gp_rect_empty(r);
-    return json_pack("{so so so*}", "name", gp_json_name(sets->light[i]),
-        "scissor", off ? json_null() : json_pack("[iiii]", r.x0, r.y0, r.x1,
-                                                 r.y1),
-        "depth", off ? NULL : json_pack("[ff]", sets->depth[i][0],
-                                        sets->depth[i][1]));
-}
-
 static gp_status save_json(const struct gp_log *log,
     const struct gp_settings *s, const struct glarepp_sets *sets)
 {
     json_t *const rows = json_array(), *const lights = json_array();
-    for (int i = 0; i < ROWS; i++)
-        json_array_append_new(rows, row_json(&sets->row[i]));
-    for (int i = 0; i < sets->lights; i++)
-        json_array_append_new(lights, light_json(sets, i));
+    for (const struct glarepp_sets_row *r = sets->row; r < sets->row + ROWS;
+         r++)
+        json_array_append_new(
+            rows, json_pack("{ss si si si si si si si si sI sf sf sb}", "sets",
+                            r->name, "visible", r->visible, "lit", r->lit,
+                            "casters", r->casters, "lights", r->lights,
+                            "passes", r->passes, "batches", r->batches,
+                            "shadow_batches", r->shadow_batches,
+                            "batches_separate", r->separate_batches,
+                            "fragments", (json_int_t) r->fragments, "ms", r->ms,
+                            "cpu_ms", r->cpu_ms, "same_picture", r->same));
+    for (int i = 0; i < sets->lights; i++) {
+        const struct gp_rect r = sets->scissor[i];
+        const double *const depth = sets->depth[i];
+        const bool off = gp_rect_empty(r);
+        json_array_append_new(
+            lights,
+            json_pack(
+                "{so so so*}", "name", gp_json_name(sets->light[i]), "scissor",
+                off ? json_null() : json_pack("[iiii]", r.x0, r.y0, r.x1, r.y1),
+                "depth", off ? NULL : json_pack("[ff]", depth[0], depth[1])));
+    }
     return gp_bench_save_json(log, json_pack(
         "{so s[ii] ss sf si si so so}", "scene",
         gp_json_name(s->input.files.at[0]), "size", s->making.w, s->making.h,

@@ -464,28 +464,11 @@ static gp_status run_units(struct pipeline *p)
 
 // -- all frames --------------------------------------------------------------
 
-/* Makes the kernels of light groups. */
-static gp_status make_group_kernels(const struct gp_log *log,
-                                    struct glarepp *gp, struct gp_run *r)
-{
-    const struct gp_texts *const words = &r->s->input.group_kernels;
-    gp_status st;
-    GP_TRY(gp_alloc_zero(log, "kernels", (size_t) words->n + 1, sizeof *r->more,
-                         &r->more));
-    for (int i = 0; i < words->n; i++) {
-        struct glarepp_kernel_params p = GLAREPP_KERNEL_PARAMS;
-        p.word = &words->at[i];
-        p.words = 1;
-        GP_TRY((gp_status) glarepp_kernel(gp, &p, &r->more[i]));
-    }
-out:
-    return st;
-}
-
 /* Makes what all frames share, so that errors of it come before any frame. */
 static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
     struct glarepp *const gp = r->gp;
+    const struct gp_texts *const words = &r->s->input.group_kernels;
     struct glarepp_plan_params plan = r->s->plan;
     int frame;
     gp_status st;
@@ -501,9 +484,16 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
                      gp_file_descriptor(r->jobs->target[i].name.path) >= 0;
     GP_TRY((gp_status) glarepp_kernel(gp, &r->s->kernel.p, &r->kernel));
     plan.kernel = r->kernel;
-    GP_TRY(make_group_kernels(log, gp, r));
+    GP_TRY(gp_alloc_zero(log, "kernels", (size_t) words->n + 1, sizeof *r->more,
+                         &r->more));
+    for (int i = 0; i < words->n; i++) {
+        struct glarepp_kernel_params p = GLAREPP_KERNEL_PARAMS;
+        p.word = &words->at[i];
+        p.words = 1;
+        GP_TRY(glarepp_kernel(gp, &p, &r->more[i]));
+    }
     plan.more = (const struct glarepp_kernel *const *) r->more;
-    plan.mores = r->s->input.group_kernels.n;
+    plan.mores = words->n;
     GP_TRY((gp_status) glarepp_plan(gp, &plan, &r->plan));
     // outputs must not replace pictures of --flare or tables of --ocio either
     const struct glarepp_plan_facts *const facts = glarepp_plan_facts(r->plan);

@@ -56,22 +56,21 @@ out:
 static gp_status invert(const struct gp_log *log, struct gp_rect window,
                         struct gp_plane *p)
 {
-    const struct gp_rect own = p->window, both = gp_rect_meet(window, own);
-    const size_t w = (size_t) gp_rect_w(window),
-                 n = w * (size_t) gp_rect_h(window);
-    float *v;
-    const gp_status st = gp_alloc(log, "source mask", n, sizeof *v, &v);
+    const struct gp_rect own = p->window;
+    float *v, *to;
+    const gp_status st =
+        gp_alloc(log, "source mask", gp_rect_pixels(window), sizeof *v, &v);
     if (st)
         return st;
-    for (size_t i = 0; i < n; i++)
-        v[i] = 1.0f;
-    for (int y = both.y0; y < both.y1; y++) {
-        float *const to = v + (size_t) (y - window.y0) * w;
+    to = v;
+    for (int y = window.y0; y < window.y1; y++) {
         const float *const from =
-            p->v + (size_t) (y - own.y0) * (size_t) gp_rect_w(own);
-        for (int x = both.x0; x < both.x1; x++) {
-            const float m = from[x - own.x0];
-            to[x - window.x0] = m > 0.0f ? 1.0f - gp_minf(m, 1.0f) : 1.0f;
+            p->v + ((ptrdiff_t) y - own.y0) * gp_rect_w(own);
+        for (int x = window.x0; x < window.x1; x++) {
+            const bool in =
+                y >= own.y0 && y < own.y1 && x >= own.x0 && x < own.x1;
+            const float m = in ? from[x - own.x0] : 0.0f;
+            *to++ = m > 0.0f ? 1.0f - gp_minf(m, 1.0f) : 1.0f;
         }
     }
     gp_free(p->v);

@@ -42,7 +42,9 @@ const char *gp_base_name(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
-void gp_word_print(FILE *f, const char *head, size_t n, const char *word)
+/* Prints a blank, then the first n bytes of `head` and `word`, quoted for a shell
+ * as one word. */
+static void print_word(FILE *f, const char *head, size_t n, const char *word)
 {
     static const char plain[] =
         "abcdefghijklmnopqrstuvwxyz"
@@ -119,10 +121,9 @@ static void print_options(FILE *f, const struct gp_settings *s,
             value = s->tone.map.config; // of env, too
         const char *const path = whole || !value ? NULL : path_in(o, value);
         if (path)
-            gp_word_print(f, value, (size_t) (path - value),
-                          gp_base_name(path));
+            print_word(f, value, (size_t) (path - value), gp_base_name(path));
         else if (value)
-            gp_word_print(f, "", 0, value);
+            print_word(f, "", 0, value);
     }
 }
 
@@ -143,7 +144,7 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     for (int i = 0; i < inputs; i++) {
         const char *const name = whole ? input[i] : gp_base_name(input[i]);
         // (no option, but "-" is stdin)
-        gp_word_print(f, "./", *name == '-' && name[1] ? 2 : 0, name);
+        print_word(f, "./", *name == '-' && name[1] ? 2 : 0, name);
     }
     if (form == GP_COMMAND_ALL)
         print_options(f, s, " ", true, true);
@@ -267,28 +268,12 @@ gp_status gp_words_command(const struct gp_log *log, const char *path,
     if (text)
         fputs(command, text);
     if (text && output) {
-        gp_word_print(text, "", 0, output);
-        gp_word_print(text, "", 0, gp_base_name(path));
+        print_word(text, "", 0, output);
+        print_word(text, "", 0, gp_base_name(path));
     }
     gp_free(command);
     gp_free(output);
     return text && end_text(text, out) ? GP_OK : gp_no_memory(log, path);
-}
-
-/* Leaves the options of a command: not its first word, nor its input. */
-static gp_status take_options(const struct gp_log *log, struct gp_words *w)
-{
-    if (w->n < 2 || strcmp(w->word[0], "glarepp") != 0 ||
-        (w->n > 2 && gp_command_named(w->word[1])))
-        return gp_fail(
-            log, GP_ERR_DATA,
-            "%s: no settings of a picture (found the command "
-            "%s%s%s); give a picture of glarepp -o, --hdr or --layer",
-            w->path, w->n ? w->word[0] : "\"\"", w->n > 1 ? " " : "",
-            w->n > 1 ? w->word[1] : "");
-    w->n -= 2;
-    memmove(w->word, w->word + 1, (size_t) w->n * sizeof *w->word);
-    return GP_OK;
 }
 
 gp_status gp_words_read(const struct gp_log *log, const char *path,
@@ -314,8 +299,18 @@ gp_status gp_words_read(const struct gp_log *log, const char *path,
             "a PNG or EXR that glarepp made",
             path, size > MOST_BYTES ? "over 1 MiB" : "bytes that are no text"));
     GP_TRY(split(log, w->text, picture, w));
-    if (picture)
-        GP_TRY(take_options(log, w));
+    if (picture && (w->n < 2 || strcmp(w->word[0], "glarepp") != 0 ||
+                    (w->n > 2 && gp_command_named(w->word[1]))))
+        GP_TRY(
+            gp_fail(log, GP_ERR_DATA,
+                    "%s: no settings of a picture (found the command "
+                    "%s%s%s); give a picture of glarepp -o, --hdr or --layer",
+                    path, w->n ? w->word[0] : "\"\"", w->n > 1 ? " " : "",
+                    w->n > 1 ? w->word[1] : ""));
+    if (picture) { // its options: not its first word, nor its input
+        w->n -= 2;
+        memmove(w->word, w->word + 1, (size_t) w->n * sizeof *w->word);
+    }
     *out = w;
     return GP_OK;
 out:

@@ -30,10 +30,6 @@ GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
 /* The name of a path without its folders. */
 const char *gp_base_name(const char *path);
 
-/* Prints a blank, then the first n bytes of `head` and `word`, quoted for a shell
- * as one word. */
-void gp_word_print(FILE *f, const char *head, size_t n, const char *word);
-
 /* Finds the command that made a PNG or EXR: glarepp:command, gp_free() it.
  *   named  with the option that named the file, where that is known, and its name
  * Errors: those of gp_read_frame(); GP_ERR_DATA the file has none. */
