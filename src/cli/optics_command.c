@@ -171,27 +171,6 @@ static gp_status list_models(const struct gp_log *log)
 
 // -- --check ------------------------------------------------------------------
 
-/* Draws the kernel of a recipe, or reads that of a file. */
-static gp_status find_checked(const struct gp_log *log, struct glarepp *gp,
-    const struct gp_settings *s, struct gp_frame *out,
-    struct glarepp_label *label)
-{
-    const char *const word = s->making.check;
-    const struct gp_read_params limits = gp_read_limits(&s->input.read);
-    struct glarepp_kernel *k = NULL;
-    gp_status st;
-    if (gp_kernel_is_file(word)) {
-        GP_TRY(gp_read_frame(log, &limits, word, out));
-        GP_TRY(gp_label_read(log, out, label));
-    } else {
-        GP_TRY(read_kernel(gp, s, &word, 1, &k));
-        GP_TRY(draw_kernel(k, s, word, out, label));
-    }
-out:
-    glarepp_kernel_end(&k);
-    return st;
-}
-
 /* Finds the brightest source of a frame, and its size. */
 static gp_status look_at_frame(const struct gp_log *log, struct glarepp *gp,
     const struct gp_settings *s, const char *path,
@@ -221,17 +200,6 @@ out:
     return st;
 }
 
-static void print_primaries(const struct gp_frame *f)
-{
-    const float *const p = f->chromaticities;
-    if (f->names_chromaticities)
-        printf("primaries  %g,%g %g,%g %g,%g, white %g,%g\n", (double) p[0],
-               (double) p[1], (double) p[2], (double) p[3], (double) p[4],
-               (double) p[5], (double) p[6], (double) p[7]);
-    else
-        printf("primaries  not named: used as it is in any frame\n");
-}
-
 static void print_figures(const struct glarepp_kernel_figures *f, bool labelled)
 {
     printf("size       %dx%d, centre %d,%d\n", f->w, f->h, f->centre[0],
@@ -258,6 +226,9 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
                               const struct gp_settings *s, int *status)
 {
     const char *const name = s->making.check;
+    const bool file = gp_kernel_is_file(name);
+    const struct gp_read_params limits = gp_read_limits(&s->input.read);
+    struct glarepp_kernel *k = NULL;
     struct glarepp_kernel_use use = {
         .brightest = 1000.0, .percent = s->kernel.p.percent,
         .add = s->light.layer.mix == GLAREPP_ADD,
@@ -265,16 +236,28 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
     struct glarepp_kernel_figures figures;
     struct gp_frame f = {0};
     gp_status st;
-    GP_TRY(find_checked(log, gp, s, &f, &use.label));
+    if (file) {
+        GP_TRY(gp_read_frame(log, &limits, name, &f));
+        GP_TRY(gp_label_read(log, &f, &use.label));
+    } else {
+        GP_TRY(read_kernel(gp, s, &name, 1, &k));
+        GP_TRY(draw_kernel(k, s, name, &f, &use.label));
+    }
     if (s->input.files.n)
         GP_TRY(look_at_frame(log, gp, s, s->input.files.at[0], &use));
     struct glarepp_image image = gp_frame_view(&f, &f.rgb);
     image.name = name;
-    if (gp_kernel_is_file(name)) // what was drawn is turned already
+    if (file) // what was drawn is turned already
         use.rotate = s->plan.rotate;
     GP_TRY(glarepp_kernel_check(gp, &image, &use, &figures));
     printf("kernel     %s\n", gp_printable(name).text);
-    print_primaries(&f);
+    const float *const p = f.chromaticities;
+    if (f.names_chromaticities)
+        printf("primaries  %g,%g %g,%g %g,%g, white %g,%g\n", (double) p[0],
+               (double) p[1], (double) p[2], (double) p[3], (double) p[4],
+               (double) p[5], (double) p[6], (double) p[7]);
+    else
+        printf("primaries  not named: used as it is in any frame\n");
     if (!figures.nonfinite && figures.lit)
         print_figures(&figures, use.label.present);
     for (int i = 0; i < figures.faults; i++)
@@ -283,6 +266,7 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
     *status = figures.faults > 0;
     st = gp_flush_stdout(log);
 out:
+    glarepp_kernel_end(&k);
     gp_frame_free(&f);
     return st;
 }

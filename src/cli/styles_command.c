@@ -118,22 +118,6 @@ static void set_mean(const struct gp_frame *f, const struct gp_planes *p,
         out->c[c][at] = (float) (sum[c] / (size[0] * size[1]));
 }
 
-/* Makes the sheet for tiles of f's display window. */
-static gp_status begin(const struct gp_log *log, const struct gp_frame *f,
-                       struct sheet *s)
-{
-    const double w = gp_rect_w(f->display), h = gp_rect_h(f->display);
-    s->w = gp_min(TILE, gp_rect_w(f->display));
-    s->h = gp_max((int) lrint(s->w * h / w), 1);
-    const size_t pixels = (size_t) sheet_w(s) * (size_t) sheet_h(s);
-    const gp_status st = gp_planes_make(log, "sheet", pixels, &s->planes);
-    for (int c = 0; c < 3 && !st; c++) {
-        for (size_t i = 0; i < pixels; i++)
-            s->planes.c[c][i] = PAPER;
-    }
-    return st;
-}
-
 /* Draws a tile: the display window of f from `picture`, the samples of its data
  * window, scaled down by areas; outside of the data window it is black. The
  * first tile sets the size of all. */
@@ -142,13 +126,20 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
                            const struct gp_planes *picture)
 {
     struct sheet *const s = user;
-    const gp_status st = s->w ? GP_OK : begin(log, f, s);
-    if (st)
-        return st;
+    const double w = gp_rect_w(f->display), h = gp_rect_h(f->display);
+    if (!s->w) {
+        s->w = gp_min(TILE, gp_rect_w(f->display));
+        s->h = gp_max((int) lrint(s->w * h / w), 1);
+        const size_t pixels = (size_t) sheet_w(s) * (size_t) sheet_h(s);
+        const gp_status st = gp_planes_make(log, "sheet", pixels, &s->planes);
+        if (st)
+            return st;
+        for (size_t i = 0; i < 3 * pixels; i++)
+            s->planes.c[i / pixels][i % pixels] = PAPER;
+    }
     const int left = GAP + s->i % s->columns * (s->w + GAP);
     const int top = GAP + s->i / s->columns * (s->h + LINE + GAP);
-    const double size[2] = {(double) gp_rect_w(f->display) / s->w,
-                            (double) gp_rect_h(f->display) / s->h};
+    const double size[2] = {w / s->w, h / s->h};
     const int dx = f->display.x0 - f->data.x0, dy = f->display.y0 - f->data.y0;
     for (int y = 0; y < s->h; y++) {
         for (int x = 0; x < s->w; x++) {

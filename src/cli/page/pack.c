@@ -127,13 +127,16 @@ static void find_relative(const struct glarepp_image *a,
 }
 
 /* Rounds a plane to halfs; counts what that changes: values that a half cannot
- * hold, and those that are no number. */
-static void round_plane(const struct glarepp_image *l, int c,
-                        struct gp_rect window, float *row, uint16_t *to,
-                        json_int_t count[3])
+ * hold, and those that are no number. Returns sums by half stops: by bits 9 and up
+ * of positive halfs. */
+static json_t *round_plane(const struct glarepp_image *l, int c,
+                           struct gp_rect window, float *row, uint16_t *to,
+                           json_int_t count[3])
 {
     const int w = gp_rect_w(window);
     float *const back = row + w;
+    json_int_t bin[128] = {0};
+    json_t *const list = json_array();
     for (int y = window.y0; y < window.y1; y++, to += w) {
         read_row(l, c, window, y, row);
         count[1] += (json_int_t) gp_float_to_half(row, to, (size_t) w);
@@ -141,20 +144,10 @@ static void round_plane(const struct glarepp_image *l, int c,
         for (int x = 0; x < w; x++) {
             count[0] += row[x] != back[x] && !isnan(row[x]);
             count[2] += !isfinite(row[x]);
+            bin[to[x] >> 9]++;
         }
     }
-}
-
-/* Sums of halfs by half stops: bits 9 and up of positive ones. */
-static json_t *histogram_of(const uint16_t *half, size_t n)
-{
-    long long bin[64] = {0};
-    json_t *const list = json_array();
-    for (size_t i = 0; i < n; i++) {
-        if (half[i] < 0x7c00)
-            bin[half[i] >> 9]++;
-    }
-    for (int i = 0; i < 62; i++)
+    for (int i = 0; i < 62; i++) // (then infinite, NaN, and under 0)
         json_array_append_new(list, json_integer(bin[i]));
     return list;
 }
@@ -174,8 +167,8 @@ gp_status gp_page_set_add(const struct gp_log *log, struct gp_page_set *s,
     GP_TRY(gp_alloc(log, "page rows", w, 3 * sizeof *row, &row));
     for (int c = 0; c < 3; c++) {
         GP_TRY(gp_alloc(log, "page", n, sizeof *p->half[c], &p->half[c]));
-        round_plane(light, c, s->window, row, p->half[c], count);
-        json_array_append_new(bins, histogram_of(p->half[c], n));
+        json_array_append_new(
+            bins, round_plane(light, c, s->window, row, p->half[c], count));
     }
     if (base) {
         GP_TRY(gp_alloc(log, "page", n, 1, &p->relative));
@@ -231,19 +224,6 @@ static void average(const struct gp_page_set *s, const struct plan *p,
     }
 }
 
-/* The most of squares of a map of errors: no average hides one. */
-static void take_most(const struct gp_page_set *s, const struct plan *p,
-                      const uint8_t *map, uint8_t *to)
-{
-    const int w = gp_rect_w(s->window), h = gp_rect_h(s->window);
-    memset(to, 0, (size_t) p->w * (size_t) p->h);
-    for (int y = 0; y < h; y++) {
-        uint8_t *const row = to + (size_t) (y / p->scale) * (size_t) p->w;
-        for (int x = 0; x < w; x++, map++)
-            row[x / p->scale] = (uint8_t) gp_max(row[x / p->scale], *map);
-    }
-}
-
 // -- codes ----------------------------------------------------------------------
 
 /* Memory for the coding of one picture at a time. */
@@ -277,13 +257,13 @@ static void make_codes(const struct coder *k, int i, uint16_t *to)
 {
     static const int order[3] = {1, 0, 2}; // green first
     const size_t n = k->p->n;
-    for (int c = 0; c < 3; c++) {
+    const uint16_t *const green = to;
+    for (int c = 0; c < 3; c++, to += n) {
         const uint16_t *const half = k->s->picture[i].half[order[c]];
-        average(k->s, k->p, half, k->row, to + n * (size_t) c);
-        copy_region(k->s, k->p, half, sizeof *half, to + n * (size_t) c);
+        average(k->s, k->p, half, k->row, to);
+        copy_region(k->s, k->p, half, sizeof *half, to);
         for (size_t at = 0; at < n && c; at++)
-            to[n * (size_t) c + at] =
-                (uint16_t) (to[n * (size_t) c + at] - to[at]);
+            to[at] = (uint16_t) (to[at] - green[at]);
     }
 }
 
@@ -356,15 +336,23 @@ static gp_status take(const struct gp_log *log, void *bytes, size_t n,
     return lost ? gp_no_memory_bare(log, "page") : GP_OK;
 }
 
+/* Packs a map of errors: of squares the most, so that no average hides one. */
 static gp_status pack_map(struct coder *k, const uint8_t *map, int level,
                           json_t *to, const char *key, size_t *total)
 {
+    const struct plan *const p = k->p;
+    const int w = gp_rect_w(k->s->window), h = gp_rect_h(k->s->window);
     void *bytes;
     size_t n;
     if (!map)
         return GP_OK;
-    take_most(k->s, k->p, map, k->out);
-    copy_region(k->s, k->p, map, 1, k->out);
+    copy_region(k->s, p, map, 1, k->out);
+    memset(k->out, 0, (size_t) p->w * (size_t) p->h);
+    for (int y = 0; y < h; y++) {
+        uint8_t *const row = k->out + (size_t) (y / p->scale) * (size_t) p->w;
+        for (int x = 0; x < w; x++, map++)
+            row[x / p->scale] = (uint8_t) gp_max(row[x / p->scale], *map);
+    }
     const gp_status st =
         gp_zlib_pack(k->log, k->out, k->p->n, level, &bytes, &n);
     return st ? st : take(k->log, bytes, n, to, key, total);
