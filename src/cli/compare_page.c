@@ -159,21 +159,6 @@ static void add_note(json_t *list, const char *before, const char *name,
     json_array_append_new(list, gp_json_name(text));
 }
 
-/* The channels, and those that only one file has. */
-static void list_channels(const struct glarepp_compare_facts *f, json_t *entry)
-{
-    json_t *const channels = json_array(), *const notes =
-                                               json_object_get(entry, "notes");
-    for (int i = 0; i < f->pairs; i++) {
-        json_array_append_new(channels, gp_json_name(f->pair[i]));
-        if (f->in_a[i] < 0 || f->in_b[i] < 0)
-            add_note(notes, "channel ", f->pair[i],
-                     f->in_a[i] < 0 ? " is only in B: 0 in A"
-                                    : " is only in A: 0 in B");
-    }
-    json_object_set_new(entry, "channels", channels);
-}
-
 static json_t *make_entry(const struct gp_compare_pages *p,
                           const struct gp_compare_row *e, json_t *facts)
 {
@@ -183,23 +168,28 @@ static json_t *make_entry(const struct gp_compare_pages *p,
     if (e->parts > 1)
         snprintf(label + n, sizeof label - (size_t) n, "%spart %d",
                  n ? ", " : "", e->part);
-    json_t *const o = json_pack("{ss sO so}", "label", label, "facts", facts,
-                                "notes", json_array());
+    json_t *const notes = json_array(), *const channels =
+                                            e->why ? NULL : json_array();
+    json_t *const o = json_pack("{ss sO so so*}", "label", label, "facts",
+                                facts, "notes", notes, "channels", channels);
     if (e->why)
         return o;
     const struct glarepp_compare_facts *const f = e->facts;
     const struct gp_rect a = e->image[0]->data, b = e->image[1]->data;
     json_object_set_new(o, "gates", gates_of(&p->s->compare.limits, f));
-    list_channels(f, o);
-    if (memcmp(&a, &b, sizeof a) != 0) {
-        char text[160];
-        snprintf(text, sizeof text,
-                 "the data windows differ: %dx%d at (%d, %d) "
-                 "and %dx%d at (%d, %d); 0 outside",
-                 gp_rect_w(a), gp_rect_h(a), a.x0, a.y0, gp_rect_w(b),
-                 gp_rect_h(b), b.x0, b.y0);
-        add_note(json_object_get(o, "notes"), "", text, "");
+    for (int i = 0; i < f->pairs; i++) {
+        json_array_append_new(channels, gp_json_name(f->pair[i]));
+        if (f->in_a[i] < 0 || f->in_b[i] < 0)
+            add_note(notes, "channel ", f->pair[i],
+                     f->in_a[i] < 0 ? " is only in B: 0 in A"
+                                    : " is only in A: 0 in B");
     }
+    if (memcmp(&a, &b, sizeof a) != 0)
+        json_array_append_new(
+            notes, json_sprintf("the data windows differ: %dx%d at (%d, %d) "
+                                "and %dx%d at (%d, %d); 0 outside",
+                                gp_rect_w(a), gp_rect_h(a), a.x0, a.y0,
+                                gp_rect_w(b), gp_rect_h(b), b.x0, b.y0));
     return o;
 }
 

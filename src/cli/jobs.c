@@ -197,26 +197,6 @@ static gp_status read_stdin(const struct gp_log *log,
 
 // -- views that the command line does not name -------------------------------
 
-/* Replaces each job by one for each view; takes over `found`. */
-static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
-                              struct gp_views *found)
-{
-    const int n = found->n;
-    j->view = *found;
-    *found = (struct gp_views) {0};
-    const gp_status st = make_room(log, j, j->n, n, j->job[0].input);
-    if (st)
-        return st;
-    j->n *= n;
-    j->views = n;
-    j->views_inside = true;
-    for (int i = j->n - 1; i >= 0; i--) {
-        j->job[i] = j->job[i / n];
-        j->job[i].view = j->view.name[i % n];
-    }
-    return GP_OK;
-}
-
 /* Finds the views of the first input that is a regular file: a pipe can be read
  * only once. `log` is NULL where reading the frame will report the error. */
 static gp_status find_views(const struct gp_log *log,
@@ -292,8 +272,19 @@ static gp_status add_views(const struct gp_log *log,
         j->views_line = gp_strdup(line);
         st = j->views_line ? GP_OK : gp_no_memory(log, input);
     }
-    if (!st && j->views_found)
-        st = spread_views(log, j, &found);
+    if (st || !j->views_found)
+        goto out;
+    // each job becomes one for each view
+    j->views = found.n;
+    j->views_inside = true;
+    GP_TRY(make_room(log, j, j->n, j->views, j->job[0].input));
+    j->n *= j->views;
+    for (int i = j->n - 1; i >= 0; i--) {
+        j->job[i] = j->job[i / j->views];
+        j->job[i].view = found.name[i % j->views];
+    }
+    j->view = found;
+    return GP_OK;
 out:
     gp_views_free(&found);
     return st;
@@ -341,42 +332,6 @@ const struct gp_target_row gp_targets[] = {
 const char *const gp_part_names[] = {"veil", "core", "flare", "ghosts"};
 
 // -- checks ------------------------------------------------------------------
-
-/* Checks that several frames have patterns, and several views have %V.
- *   patterns  some input is a pattern
- *   later     the views are not known yet */
-static gp_status check_patterns(const struct gp_log *log,
-    const struct gp_jobs *j, bool patterns, bool later)
-{
-    const int frames = j->n / gp_jobs_of_frame(j);
-    gp_status st = GP_OK;
-    for (int t = 0; t < j->targets && !st; t++) {
-        const struct gp_pattern *const p = &j->target[t].name;
-        const bool dash = gp_is_dash(p->path);
-        if (!p->len && !dash && (patterns || frames > 1))
-            return gp_fail(log, GP_ERR_USAGE, "%s: one name for a sequence "
-                "(found %d frame%s); write a pattern such as "
-                "out.####.png, or -", p->path, frames, frames == 1 ? "" : "s");
-        for (int i = 0; i < j->n && p->len; i++) {
-            if (!j->job[i].numbered)
-                return gp_fail(log, GP_ERR_USAGE, "%s: no frame number in this "
-                               "input (%s needs one); add one to its name, or "
-                               "give plain output names", j->job[i].input,
-                               p->path);
-        }
-        if (p->views && !j->view.n && !later)
-            return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s "
-                           "has no %%V in its name and no views inside); give "
-                           "--views left,right", p->path, j->job[0].input);
-        if (!p->views && !j->target[t].whole && !j->target[t].hero &&
-            j->view.n > 1 && !dash)
-            return gp_fail(log, GP_ERR_USAGE, "%s: one name for several views "
-                           "(found %d); write a name with %%V or %%v, such as "
-                           "out.%%V.png, or -", p->path, j->view.n);
-        st = gp_views_check(log, p, &j->view);
-    }
-    return st;
-}
 
 /* Checks that frames of --frames, and all views of a frame, are there. */
 static gp_status check_missing(const struct gp_log *log,
@@ -512,23 +467,53 @@ static void mark_outputs(struct gp_jobs *j)
     }
 }
 
-/* Checks the names of all outputs, and that the first frame's can be written.
- *   later  the views are not known yet: names with %V are left for then */
+/* Checks that several frames have patterns and several views have %V, the names of
+ * all outputs, and that the first frame's can be written.
+ *   patterns  some input is a pattern
+ *   later     the views are not known yet: names with %V are left for then */
 static gp_status check_outputs(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_jobs *j, bool patterns,
     bool later)
 {
-    gp_status st = check_patterns(log, j, patterns, later);
-    for (int i = 0; i < j->targets && !st; i++) {
-        const struct gp_output *const t = &j->target[i];
-        if (gp_is_dash(t->name.path) && isatty(STDOUT_FILENO))
+    const int views = gp_jobs_of_frame(j), frames = j->n / views;
+    gp_status st = GP_OK;
+    for (const struct gp_output *t = j->target; t < j->target + j->targets;
+         t++) {
+        const struct gp_pattern *const p = &t->name;
+        const bool dash = gp_is_dash(p->path);
+        if (!p->len && !dash && (patterns || frames > 1))
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: one name for a sequence "
+                           "(found %d frame%s); write a pattern such as "
+                           "out.####.png, or -",
+                           p->path, frames, frames == 1 ? "" : "s");
+        for (int i = 0; i < j->n && p->len; i++) {
+            if (!j->job[i].numbered)
+                return gp_fail(log, GP_ERR_USAGE,
+                               "%s: no frame number in this "
+                               "input (%s needs one); add one to its name, or "
+                               "give plain output names",
+                               j->job[i].input, p->path);
+        }
+        if (p->views && !j->view.n && !later)
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: %%V and %%v need views (%s "
+                           "has no %%V in its name and no views inside); give "
+                           "--views left,right",
+                           p->path, j->job[0].input);
+        if (!p->views && !t->whole && !t->hero && j->view.n > 1 && !dash)
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: one name for several views "
+                           "(found %d); write a name with %%V or %%v, such as "
+                           "out.%%V.png, or -",
+                           p->path, j->view.n);
+        GP_TRY(gp_views_check(log, p, &j->view));
+        if (dash && isatty(STDOUT_FILENO))
             return gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
                            "it into a program, or give a file");
-        for (int k = 0; k < gp_jobs_of_frame(j) && !st; k++) {
-            if (later && t->name.views)
-                continue;
+        for (int k = 0; k < views && !(later && p->views); k++) {
             char *const name = gp_job_name(&j->job[k], t);
-            st = !name ? gp_no_memory(log, t->name.path)
+            st = !name ? gp_no_memory(log, p->path)
                  : t->kind == GP_TARGET_HDR || t->kind == GP_TARGET_PARTS
                      ? gp_write_hdr_check(log, &s->output.write,
                                           t->kind == GP_TARGET_HDR
@@ -537,9 +522,12 @@ static gp_status check_outputs(const struct gp_log *log,
                                           name)
                      : gp_write_check(log, &s->output.write, name);
             free(name);
+            GP_TRY(st);
         }
     }
-    return st ? st : gp_jobs_check_names(log, s, j, NULL, 0);
+    st = gp_jobs_check_names(log, s, j, NULL, 0);
+out:
+    return st;
 }
 
 gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,

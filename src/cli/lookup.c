@@ -287,17 +287,6 @@ const char *gp_curve_name(int i, const char **text)
     return glarepp_name(NULL, GLAREPP_CURVES, i, text);
 }
 
-/* Returns true where a preset has the name of a model. */
-static bool has_preset(const char *model)
-{
-    const char *name;
-    int i = 0;
-    while ((name = glarepp_name(NULL, GLAREPP_PRESETS, i, NULL)) &&
-           strcmp(name, model) != 0)
-        i++;
-    return name != NULL;
-}
-
 const char *gp_kernel_word(int i, const char **text)
 {
     static char word[64];
@@ -311,7 +300,12 @@ const char *gp_kernel_word(int i, const char **text)
     }
     i -= presets;
     for (int k = 0; (name = glarepp_name(NULL, GLAREPP_MODELS, k, text)); k++) {
-        if (!has_preset(name) && i-- == 0)
+        const char *preset; // of this name?
+        int n = 0;
+        while ((preset = glarepp_name(NULL, GLAREPP_PRESETS, n, NULL)) &&
+               strcmp(preset, name) != 0)
+            n++;
+        if (!preset && i-- == 0)
             break;
     }
     return name;

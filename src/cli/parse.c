@@ -288,17 +288,6 @@ static gp_status take_use(const struct gp_use *u, struct gp_settings *s)
     return set_value(u, s);
 }
 
-/* True when one of the first n words of the options given sets that field. */
-static bool is_set(const struct gp_settings *s, int n, size_t at)
-{
-    for (int i = 0; i < n; i += 2) {
-        const char *const name = s->words.options.at[i];
-        if (gp_option_find(name, strlen(name))->at == at)
-            return true;
-    }
-    return false;
-}
-
 /* Sets the options of a file of settings whose fields nothing sets yet. */
 static gp_status read_settings(const struct gp_log *log, const char *path,
                                struct gp_settings *s)
@@ -326,7 +315,12 @@ static gp_status read_settings(const struct gp_log *log, const char *path,
                          "--%s: not a setting, as no "
                          "pixel depends on it; give it on the command line",
                          u.option->name);
-        if (st || is_set(s, before, u.option->at))
+        bool set = false;
+        for (int k = 0; k < before && !st; k += 2) {
+            const char *const name = s->words.options.at[k];
+            set |= gp_option_find(name, strlen(name))->at == u.option->at;
+        }
+        if (st || set)
             continue;
         st = gp_words_file(&u, w);
         st = st ? st : take_use(&u, s);

@@ -63,35 +63,33 @@ struct pipeline {
     struct gp_tracks tracks;         // for --write-lights
 };
 
-/* Data that the command line asks nothing of, so that it counts as present. */
-static unsigned unasked(const struct gp_settings *s)
-{
-    const bool lights = gp_lights_wanted(s);
-    return (s->scene.path ? 0u : GP_HAS_SCENE) |
-           (s->scene.path && s->sun.relight.n ? 0u : GP_HAS_RELIT) |
-           (lights ? 0u : GP_HAS_SUNS | GP_HAS_SHARES) |
-           (lights || s->sun.p.flare ? 0u : GP_HAS_FLARE) |
-           (s->lens.lens ? 0u : GP_HAS_LENS);
-}
-
 /* Chooses the stages that the wanted files need, from the last to the first. */
 static void make_schedule(struct pipeline *p)
 {
     const struct gp_run *const r = &p->run;
+    const struct gp_settings *const s = r->s;
+    const bool lights = gp_lights_wanted(s);
+    // data that nothing is asked of, so that it counts as present
+    const unsigned unasked =
+        (s->scene.path ? 0u : GP_HAS_SCENE) |
+        (s->scene.path && s->sun.relight.n ? 0u : GP_HAS_RELIT) |
+        (lights ? 0u : GP_HAS_SUNS | GP_HAS_SHARES) |
+        (lights || s->sun.p.flare ? 0u : GP_HAS_FLARE) |
+        (s->lens.lens ? 0u : GP_HAS_LENS);
     unsigned written = 0;
     for (int i = 0; i < r->jobs->targets; i++)
-        written |= gp_target_needs(r->s, r->jobs->target[i].kind);
-    const bool reports = r->s->run.report || r->s->run.level >= GP_LEVEL_INFO;
+        written |= gp_target_needs(s, r->jobs->target[i].kind);
+    const bool reports = s->run.report || s->run.level >= GP_LEVEL_INFO;
     unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) | GP_HAS_END |
                       (reports ? GP_HAS_SHARES : 0u) |
-                      (r->s->sun.write_lights ? GP_HAS_SOURCES : 0u) |
-                      (r->s->run.verify ? GP_HAS_MEASURED : 0u);
+                      (s->sun.write_lights ? GP_HAS_SOURCES : 0u) |
+                      (s->run.verify ? GP_HAS_MEASURED : 0u);
     for (int i = GP_STAGES - 1; i >= 0; i--) {
         const struct gp_stage *const stage = &gp_stages[i];
         // (composing tells what the layer's flux is)
         const bool idle = stage->gives == GP_HAS_END &&
-                          (!r->s->run.report || wanted & GP_HAS_LIT);
-        p->on[i] = stage->gives & wanted & ~unasked(r->s);
+                          (!s->run.report || wanted & GP_HAS_LIT);
+        p->on[i] = stage->gives & wanted & ~unasked;
         p->dead[i] = ~wanted;
         if (stage->gives == GP_HAS_LIT)
             p->run.layer_ends = p->dead[i] & GP_HAS_LAYER;

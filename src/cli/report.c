@@ -471,17 +471,6 @@ static json_t *value_at(const struct row *r, const void *at)
     return NULL;
 }
 
-/* True where the row has a value among facts or in an item. */
-static bool is_there(const struct row *r, const char *from)
-{
-    bool set = false;
-    if (r->kind == MS && *(const double *) (const void *) (from + r->at) < 0.0)
-        return false;
-    for (size_t i = 0; i < r->if_bytes; i++)
-        set |= from[r->if_at + i] != 0;
-    return !r->if_bytes || set != r->unless;
-}
-
 /* Adds the fields of rows to an object. `nested`: it is the one that their
  * names begin with. */
 // NOLINTNEXTLINE(misc-no-recursion): an object in an object
@@ -494,7 +483,11 @@ static void put_rows(json_t *line, const struct row *r, const void *from,
         const size_t length = dot ? (size_t) (dot - r->name) : 0;
         const char *at = base + r->at;
         json_t *o = line;
-        if (!is_there(r, base))
+        bool set = false;
+        for (size_t i = 0; i < r->if_bytes; i++)
+            set |= base[r->if_at + i] != 0;
+        if ((r->if_bytes && set == r->unless) ||
+            (r->kind == MS && *(const double *) (const void *) at < 0.0))
             continue;
         if (r->pointed)
             at = *(const char *const *) (const void *) at;

@@ -330,16 +330,6 @@ void gp_words_free(struct gp_words **list)
     }
 }
 
-/* True when a value's path, all of it, may be another word than a file's name:
- * of a model, a preset, a lens. */
-static bool is_name(const struct gp_option *o, const char *value)
-{
-    if (o->at == offsetof(struct gp_settings, kernel.words))
-        return !gp_kernel_is_file(value) || !strpbrk(value, "./-");
-    return strcmp(o->arg, "FILE") != 0 &&
-           (!strpbrk(value, "./") || strncmp(value, "preset:", 7) == 0);
-}
-
 gp_status gp_words_file(struct gp_use *u, struct gp_words *w)
 {
     const struct gp_option *const o = u->option;
@@ -349,7 +339,15 @@ gp_status gp_words_file(struct gp_use *u, struct gp_words *w)
     const size_t folder = slash ? (size_t) (slash - w->path) + 1 : 0;
     struct gp_pattern pattern;
     char *whole;
-    if (!path || *path == '/' || (path == value && is_name(o, value)))
+    if (!path || *path == '/')
+        return GP_OK;
+    // a value that is all path may be another word: of a model, a preset, a lens
+    if (path == value &&
+        (o->at == offsetof(struct gp_settings, kernel.words)
+             ? !gp_kernel_is_file(value) || !strpbrk(value, "./-")
+             : strcmp(o->arg, "FILE") != 0 &&
+                   (!strpbrk(value, "./") ||
+                    strncmp(value, "preset:", 7) == 0)))
         return GP_OK;
     const size_t head = (size_t) (path - value);
     const size_t n =
