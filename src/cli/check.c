@@ -253,19 +253,13 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
     return check_size(log, m, 1920, 1080);
 }
 
-static const char *debug_name(int kind)
-{
-    return gp_option_find("debug", strlen("debug"))->choices[kind].name;
-}
-
 static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
 {
     for (int i = 0; i < GP_DEBUG_SCISSOR; i++) {
         if (s->output.debug[i])
             return gp_fail(log, GP_ERR_USAGE,
-                           "--debug %s: not of glarepp sets; give scissor or "
-                           "sets",
-                           debug_name(i));
+                           "%s: not of glarepp sets; give scissor or sets",
+                           gp_targets[GP_TARGET_SENSORS + i].option);
     }
     if (gp_option_given(s, "runs"))
         s->sets.runs = s->bench.runs;
@@ -352,9 +346,11 @@ static gp_status check_outputs(const struct gp_log *log,
     for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
         if (s->output.debug[i])
             return gp_fail(log, GP_ERR_USAGE,
-                           "--debug %s: of glarepp sets only; write glarepp "
-                           "sets --debug %s=%s SCENE",
-                           debug_name(i), debug_name(i), s->output.debug[i]);
+                           "%s: of glarepp sets only; write glarepp sets "
+                           "%s=%s SCENE",
+                           gp_targets[GP_TARGET_SENSORS + i].option,
+                           gp_targets[GP_TARGET_SENSORS + i].option,
+                           s->output.debug[i]);
     }
     if (bench && (s->lens.lens || s->sun.p.flare) && gp_lights_wanted(s))
         return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "

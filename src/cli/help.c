@@ -232,48 +232,44 @@ static gp_status unknown_topic(const struct gp_log *log, const char *topic)
                    "them", topic);
 }
 
-/* Prints a section of the manual, as man(1) formats it: from its heading, which
- * is indented by 0 or 3 columns, to the next. Returns its lines. */
-static int print_section(FILE *f, const char *page, const char *title)
+/* Finds the page, and prints a section of it, as man(1) formats it: from its
+ * heading, which is indented by 0 or 3 columns, to the next. */
+static gp_status show_section(const struct gp_log *log, FILE *f,
+                              const char *title)
 {
     static const char script[] =
         "exec 2>/dev/null; man \"$GLAREPP_PAGE\" | awk '"
-        "/^(   )?[^ ]/ { on = !n && $0 ~ \"^ *\" ENVIRON[\"GLAREPP_TITLE\"] \"$\" }"
+        "/^(   )?[^ ]/ { on = !n && $0 ~ \"^ *\" ENVIRON[\"GLAREPP_TITLE\"] "
+        "\"$\" }"
         " on { print; n++ }'";
-    int lines = 0;
-    char line[1024];
-    // (paths may have any character: the shell is not given them as words)
-    setenv("GLAREPP_PAGE", page, 1);
-    setenv("GLAREPP_TITLE", title, 1);
-    fflush(f);
-    // NOLINTNEXTLINE(cert-env33-c): the script has no word of the user
-    FILE *const man = popen(script, "r");
-    for (; man && fgets(line, sizeof line, man); lines++)
-        fputs(line, f);
-    if (man)
-        pclose(man);
-    return lines;
-}
-
-/* Finds the page, and prints its section. */
-static gp_status show_section(const struct gp_log *log, FILE *f, const char *title)
-{
     // of an installed program, then of its source tree
     static const char *const places[] = {
         "../share/man/man1/glarepp.1", "../share/man/man1/glarepp.1.gz",
         "../man/glarepp.1",
     };
-    char page[4096 + 40];
+    char page[4096 + 40], line[1024];
     const ssize_t n = readlink("/proc/self/exe", page, 4096);
     char *const slash = n > 0 ? memrchr(page, '/', (size_t) n) : NULL;
     for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
+        bool printed = false;
         strcpy(slash + 1, places[i]);
         if (access(page, R_OK) != 0)
             continue;
-        if (print_section(f, page, title))
-            return GP_OK;
-        return gp_fail(log, GP_ERR_IO, "help: man shows no section \"%s\"; see it "
-                       "in %s", title, page);
+        // (paths may have any character: the shell is not given them as words)
+        setenv("GLAREPP_PAGE", page, 1);
+        setenv("GLAREPP_TITLE", title, 1);
+        fflush(f);
+        // NOLINTNEXTLINE(cert-env33-c): the script has no word of the user
+        FILE *const man = popen(script, "r");
+        for (; man && fgets(line, sizeof line, man); printed = true)
+            fputs(line, f);
+        if (man)
+            pclose(man);
+        return printed ? GP_OK
+                       : gp_fail(log, GP_ERR_IO,
+                                 "help: man shows no section "
+                                 "\"%s\"; see it in %s",
+                                 title, page);
     }
     return gp_fail(log, GP_ERR_IO,
                    "help: no man page beside the program; see section \"%s\" "

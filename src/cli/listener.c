@@ -249,26 +249,6 @@ static bool read_number(const struct gp_frame *f, const char *name, double lo,
     return good;
 }
 
-/* Reads the attributes but the recipes; all 0 where they are not whole. */
-static struct glarepp_label read_label(const struct gp_frame *f)
-{
-    struct glarepp_label l = {.present = true};
-    const double slack = 1e-3; // sums of floats
-    int v[3] = {0};
-    char *const size = gp_frame_text(f, "glarepp:size");
-    const bool sized = size && gp_read_whole(size, "x,", v) && v[0] > 0 &&
-                       v[1] > 0 && v[0] <= 16384 && v[1] <= 16384 &&
-                       v[2] < 16384;
-    gp_free(size);
-    l.w = v[0];
-    l.h = v[1];
-    return sized && read_number(f, "glarepp:fov", 0.001, 180.0, &l.fov) &&
-           read_number(f, "glarepp:left_out", -slack, 1.0 + slack,
-                       &l.left_out) &&
-           read_number(f, "glarepp:beyond", -slack, 1.0 + slack, &l.beyond)
-               ? l : (struct glarepp_label) {.present = false};
-}
-
 /* Checks the recipes, and adds up their shares. Their images are not read: the
  * samples are in the file. */
 static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
@@ -304,11 +284,28 @@ gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
 {
     const struct glarepp_params params = {.size = sizeof params, .threads = 1};
     struct glarepp *quiet = NULL;
+    struct glarepp_label l = {.present = true};
+    const double slack = 1e-3; // sums of floats
+    int v[3] = {0};
     char *const first = gp_frame_text(f, gp_recipe_names[0]);
-    *out = first ? read_label(f) : (struct glarepp_label) {.present = false};
-    if (!first)
-        return GP_OK;
+    char *const size = gp_frame_text(f, "glarepp:size");
+    const bool sized = size && gp_read_whole(size, "x,", v) && v[0] > 0 &&
+                       v[1] > 0 && v[0] <= 16384 && v[1] <= 16384 &&
+                       v[2] < 16384;
+    const bool ours = first != NULL;
     gp_free(first);
+    gp_free(size);
+    l.w = v[0];
+    l.h = v[1];
+    *out =
+        ours && sized && read_number(f, "glarepp:fov", 0.001, 180.0, &l.fov) &&
+                read_number(f, "glarepp:left_out", -slack, 1.0 + slack,
+                            &l.left_out) &&
+                read_number(f, "glarepp:beyond", -slack, 1.0 + slack, &l.beyond)
+            ? l
+            : (struct glarepp_label) {.present = false};
+    if (!ours)
+        return GP_OK;
     gp_status st = (gp_status) glarepp_open(&params, &quiet);
     if (!st)
         st = read_recipes(log, quiet, f, &out->share);

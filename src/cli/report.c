@@ -10,7 +10,6 @@
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
-#include <stdio_ext.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -509,26 +508,14 @@ static void put_rows(json_t *line, const struct row *r, const void *from,
 gp_status gp_report_open(const struct gp_log *log, const char *path,
                          bool create_dir, struct gp_report *out)
 {
-    struct gp_report r = {.path = path};
-    if (gp_file_descriptor(path) == STDOUT_FILENO) {
-        r.file = stdout;
-    } else {
-        int fd;
-        gp_status st = gp_file_open_lines(log, path, create_dir, &fd,
-                                          &r.created);
-        if (st)
-            return st;
-        r.file = fdopen(fd, "w");
-        if (!r.file) {
-            close(fd);
-            if (r.created)
-                unlink(r.created);
-            gp_free(r.created);
-            return gp_no_memory(log, path);
-        }
-    }
-    *out = r;
-    return GP_OK;
+    struct gp_report r = {.path = path, .fd = STDOUT_FILENO};
+    const gp_status st =
+        gp_file_descriptor(path) == STDOUT_FILENO
+            ? GP_OK
+            : gp_file_open_lines(log, path, create_dir, &r.fd, &r.created);
+    if (!st)
+        *out = r;
+    return st;
 }
 
 static gp_status write_failed(const struct gp_log *log,
@@ -540,14 +527,13 @@ static gp_status write_failed(const struct gp_log *log,
 }
 
 /* Truncates a regular file that this run opened; leaves others as they are. */
-static bool cut_file(const struct gp_report *r, long size)
+static bool cut_file(const struct gp_report *r, off_t size)
 {
     struct stat s;
-    const int fd = fileno(r->file);
-    if (gp_file_descriptor(r->path) >= 0 || size < 0 || fstat(fd, &s) != 0 ||
+    if (gp_file_descriptor(r->path) >= 0 || size < 0 || fstat(r->fd, &s) != 0 ||
         !S_ISREG(s.st_mode))
         return true;
-    return ftruncate(fd, size) == 0;
+    return ftruncate(r->fd, size) == 0;
 }
 
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
@@ -561,29 +547,26 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     char *const line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
     if (!line)
         return gp_no_memory(log, r->path);
-    const long before = ftell(r->file);
+    const off_t before = lseek(r->fd, 0, SEEK_CUR);
     // old lines are removed with the first new one, so that a run that fails
     // before keeps them
-    const bool fine = (r->lines > 0 || cut_file(r, 0)) &&
-                      fprintf(r->file, "%s\n", line) > 0 &&
-                      fflush(r->file) == 0;
+    const bool fine =
+        (r->lines > 0 || cut_file(r, 0)) && dprintf(r->fd, "%s\n", line) > 0;
     free(line);
     r->lines += fine;
     if (fine)
         return GP_OK;
     const gp_status st = write_failed(log, r);
-    if (r->file != stdout)
-        __fpurge(r->file); // or closing it would try again
     (void) cut_file(r, before); // leave no half line
     return st;
 }
 
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
 {
-    if (!r->file)
+    if (!r->path)
         return GP_OK;
-    bool fine = r->file == stdout ? fflush(stdout) == 0 : fclose(r->file) == 0;
-    gp_status st = fine ? GP_OK : write_failed(log, r);
+    const bool fine = r->fd == STDOUT_FILENO || close(r->fd) == 0;
+    const gp_status st = fine ? GP_OK : write_failed(log, r);
     if (r->lines == 0 && r->created)
         unlink(r->created);
     gp_free(r->created);

@@ -96,8 +96,8 @@ struct gp_frame_report {
 };
 
 struct gp_report {
-    FILE *file;        // NULL: closed
-    const char *path;  // borrowed; "-" is stdout
+    const char *path; // borrowed; "-" is stdout; NULL: closed
+    int fd;
     char *created;     // owned: the file that did not exist; NULL: it did
     long long lines;
 };

@@ -7,7 +7,6 @@
 #include "io/file.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -114,40 +113,38 @@ out:
 gp_status gp_tracks_write(const struct gp_log *log, const struct gp_tracks *t,
                           const char *path)
 {
-    char *text = NULL;
-    size_t size = 0;
-    gp_status st = GP_OK;
-    FILE *const f = open_memstream(&text, &size);
-    if (!f)
-        return gp_no_memory(log, path);
-    fputs("{\"lights\": [\n", f);
-    for (int i = 0; i < t->n && !st; i++) { // one a line
+    static const char head[] = "{\"lights\": [\n", end[] = "]}\n";
+    struct gp_file *f = NULL;
+    gp_status st;
+    GP_TRY(gp_file_open(log, path, false, false, &f));
+    GP_TRY(gp_file_write(f, head, sizeof head - 1));
+    for (int i = 0; i < t->n; i++) { // one a line
         const struct gp_track *const own = &t->track[i];
         json_t *const found = json_array();
-        char name[32];
         for (int k = 0; k < own->n && own->n > 1; k++)
             json_array_append_new(found,
                                   json_pack("[iff]", (int) own->at[k][0],
                                             own->at[k][1], own->at[k][2]));
         for (int c = 1; c < 3 && own->n == 1; c++)
             json_array_append_new(found, json_real(own->at[0][c]));
-        snprintf(name, sizeof name, "lamp%d", i + 1);
         char *const line = gp_json_print(
-            json_pack("{s:s, s:o, s:[fff], s:[iii]}", "name", name, "found",
-                      found, "flux", (double) own->flux[0],
-                      (double) own->flux[1], (double) own->flux[2], "color", 1,
-                      1, 1),
+            json_pack("{s:o, s:o, s:[fff], s:[iii]}", "name",
+                      json_sprintf("lamp%d", i + 1), "found", found, "flux",
+                      (double) own->flux[0], (double) own->flux[1],
+                      (double) own->flux[2], "color", 1, 1, 1),
             JSON_REAL_PRECISION(7));
-        st = line ? GP_OK : gp_no_memory(log, path);
-        fprintf(f, "%s%s\n", line ? line : "", i + 1 < t->n ? "," : "");
+        st = line ? gp_file_write(f, line, strlen(line))
+                  : gp_no_memory(log, path);
         free(line);
+        GP_TRY(st);
+        if (i + 1 < t->n)
+            GP_TRY(gp_file_write(f, ",", 1));
+        GP_TRY(gp_file_write(f, "\n", 1));
     }
-    fputs("]}\n", f);
-    if (fclose(f) != 0 && !st)
-        st = gp_no_memory(log, path);
-    if (!st)
-        st = gp_file_save(log, path, false, false, text, size);
-    free(text);
+    GP_TRY(gp_file_write(f, end, sizeof end - 1));
+    st = gp_file_commit(&f);
+out:
+    gp_file_discard(&f);
     return st;
 }
 
