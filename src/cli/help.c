@@ -277,30 +277,24 @@ static gp_status show_section(const struct gp_log *log, FILE *f,
 }
 
 /* A topic names an option exactly, ignoring an "s", or by one of its values. */
-enum match { NOT, EXACT, LOOSE, VALUE };
+enum match { EXACT, LOOSE, VALUE };
 
-static enum match match_of(const struct gp_option *o, const char *topic)
+/* Prints options that match so and no better, with their values; returns their
+ * number. */
+static int print_options_of(FILE *f, const char *topic, enum match wanted)
 {
     const char *name, *text;
-    if ((topic[0] == o->letter && !topic[1]) || strcasecmp(topic, o->name) == 0)
-        return EXACT;
-    if (is_topic(topic, o->name))
-        return LOOSE;
-    for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
-        const char *const colon = strchr(name, ':');
-        if (strcasecmp(colon ? colon + 1 : name, topic) == 0)
-            return VALUE;
-    }
-    return NOT;
-}
-
-/* Prints options that match so, with their values; returns their number. */
-static int print_options_of(FILE *f, const char *topic, enum match match)
-{
     int found = 0;
     for (const struct gp_option *o = gp_options; o->name; o++) {
-        const char *name, *text;
-        if (!o->help || match_of(o, topic) != match)
+        bool fits[] = {(topic[0] == o->letter && !topic[1]) ||
+                           strcasecmp(topic, o->name) == 0,
+                       is_topic(topic, o->name), false};
+        for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
+            const char *const colon = strchr(name, ':');
+            fits[VALUE] |= strcasecmp(colon ? colon + 1 : name, topic) == 0;
+        }
+        if (!o->help || !fits[wanted] || (wanted > EXACT && fits[EXACT]) ||
+            (wanted > LOOSE && fits[LOOSE]))
             continue;
         if (found++)
             putc('\n', f);

@@ -352,32 +352,24 @@ void gp_keys_drop(struct gp_settings *s, const struct gp_option *o)
 
 // -- a frame's values ----------------------------------------------------------
 
-/* Returns the value at a frame: a key's own as it was written, between two keys
- * by double. */
-static struct gp_quantity value_at(const struct gp_keyed *k, int frame)
-{
-    int i = 0;
-    while (i < k->n && k->key[i].frame <= frame)
-        i++;
-    const struct gp_key *const after = &k->key[i < k->n ? i : i - 1];
-    const struct gp_key *const before = &k->key[i > 0 ? i - 1 : 0];
-    struct gp_quantity v = before->v;
-    if (before == after || before->frame == frame)
-        return v;
-    const double t = ((double) frame - before->frame) /
-                     ((double) after->frame - before->frame);
-    for (int c = 0; c < v.list.n; c++)
-        v.list.v[c] += t * (after->v.list.v[c] - v.list.v[c]);
-    return v;
-}
-
 void gp_settings_at(const struct gp_settings *s, int frame,
                     struct gp_settings *out)
 {
     *out = *s;
-    for (int i = 0; i < s->keyeds; i++) {
-        const struct gp_quantity v = value_at(&s->keyed[i], frame);
-        gp_quantity_set(s->keyed[i].option, &v, out);
+    for (const struct gp_keyed *k = s->keyed; k < s->keyed + s->keyeds; k++) {
+        int i = 0;
+        while (i < k->n && k->key[i].frame <= frame)
+            i++;
+        const struct gp_key *const after = &k->key[i < k->n ? i : i - 1];
+        const struct gp_key *const before = &k->key[i > 0 ? i - 1 : 0];
+        struct gp_quantity v = before->v; // as it was written; between two keys
+        const double t = before == after  // by double
+                             ? 0.0
+                             : ((double) frame - before->frame) /
+                                   ((double) after->frame - before->frame);
+        for (int c = 0; c < v.list.n && t != 0.0; c++)
+            v.list.v[c] += t * (after->v.list.v[c] - v.list.v[c]);
+        gp_quantity_set(k->option, &v, out);
     }
     gp_settings_point(out);
 }

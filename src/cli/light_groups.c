@@ -37,22 +37,6 @@ static bool cut_group(char *word, struct gp_light_group *out)
     return !out->kernel || *out->kernel;
 }
 
-/* Numbers the kernel of a group: 0 where it is the only --kernel. */
-static int number_kernel(struct gp_settings *s, const char *word)
-{
-    struct gp_texts *const list = &s->input.group_kernels;
-    const struct gp_texts *const own = &s->kernel.words;
-    int i = 0;
-    if (own->n == 1 && strcmp(own->at[0], word) == 0 &&
-        !gp_kernel_is_file(word))
-        return 0;
-    while (i < list->n && strcmp(list->at[i], word) != 0)
-        i++;
-    if (i == list->n)
-        list->at[list->n++] = word;
-    return 1 + i;
-}
-
 gp_status gp_light_groups_read(const struct gp_log *log, struct gp_settings *s)
 {
     const struct gp_texts *const words = &s->input.light_groups;
@@ -75,7 +59,18 @@ gp_status gp_light_groups_read(const struct gp_log *log, struct gp_settings *s)
                            "a kernel or gain (found \"%s\"); write "
                            "NAME:kernel=star,gain=2, with a gain of 0 to 1e6",
                            words->at[i]);
-        g->more = g->kernel ? number_kernel(s, g->kernel) : 0;
+        // of more kernels than the only --kernel
+        const struct gp_texts *const own = &s->kernel.words;
+        struct gp_texts *const more = &s->input.group_kernels;
+        if (g->kernel && (own->n != 1 || strcmp(own->at[0], g->kernel) != 0 ||
+                          gp_kernel_is_file(g->kernel))) {
+            int k = 0;
+            while (k < more->n && strcmp(more->at[k], g->kernel) != 0)
+                k++;
+            if (k == more->n)
+                more->at[more->n++] = g->kernel;
+            g->more = 1 + k;
+        }
         for (int k = 0; k < i; k++) {
             if (strcmp(g->name, s->input.group[k].name) == 0)
                 GP_TRY(gp_fail(log, GP_ERR_USAGE,

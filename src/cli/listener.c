@@ -146,22 +146,6 @@ static struct kernel_words words_of(const struct gp_settings *s,
     return w;
 }
 
-/* Returns a message's parameter; where GL failed, one whose hint gives what of the
- * settings does without: nothing for sets. */
-static const char *parameter_of(const struct gp_settings *s,
-                                const struct glarepp_message *m)
-{
-    const char *const engine = s->light.layer.engine;
-    const bool splat = engine && strcmp(engine, "splat") == 0;
-    if (m->status != GLAREPP_ERR_GL ||
-        (strcmp(m->parameter, "layer.engine") != 0 &&
-         strcmp(m->parameter, "layer.gl.none") != 0))
-        return m->parameter;
-    if (s->sun.p.method != GLAREPP_EXACT)
-        return splat ? "layer.gl.none" : "lights.method";
-    return splat ? "layer.engine" : "";
-}
-
 static _Thread_local const struct gp_log *about;
 
 void gp_hear_about(const struct gp_log *log)
@@ -174,7 +158,18 @@ void gp_hear(void *user, const struct glarepp_message *m)
     const struct gp_listener *const l = user;
     const struct gp_log *const to = m->user ? m->user : about ? about : l->log;
     const struct kernel_words words = words_of(l->s, m->parameter);
-    const char *const hint = gp_hint(parameter_of(l->s, m), m->text);
+    const char *const engine = l->s->light.layer.engine;
+    const bool splat = engine && strcmp(engine, "splat") == 0;
+    const bool exact = l->s->sun.p.method == GLAREPP_EXACT;
+    const char *helps = m->parameter;
+    // where GL failed, what of the settings does without: nothing for sets
+    if (m->status == GLAREPP_ERR_GL && (strcmp(helps, "layer.engine") == 0 ||
+                                        strcmp(helps, "layer.gl.none") == 0))
+        helps = splat && exact ? "layer.engine"
+                : splat        ? "layer.gl.none"
+                : exact        ? ""
+                               : "lights.method";
+    const char *const hint = gp_hint(helps, m->text);
     if (gp_no_depth(l->s) && strcmp(m->parameter, "frame.coverage") == 0)
         return; // that nothing hides the lights was asked for
     (void) gp_print(to, m->bare ? GP_LEVEL_BARE : (enum gp_level) m->level,

@@ -13,23 +13,10 @@
 
 enum { NAME = 4096 + 256 }; // bytes of a path
 
-/* Returns the number in a file; `most` when there is no file, it is larger (v1
- * writes a huge one for no limit), or is "max". */
-static size_t limit_of(const char *path, size_t most)
-{
-    char line[64] = "";
-    FILE *const f = fopen(path, "re");
-    if (!f)
-        return most;
-    if (!fgets(line, sizeof line, f))
-        line[0] = '\0';
-    fclose(f);
-    const unsigned long long v = strtoull(line, NULL, 10); // "max": 0
-    return v > 0 && v < most ? (size_t) v : most;
-}
-
-/* Returns the least limit of a group and its parents. In a container the path
- * may be the host's, of which only the mounted folder exists. */
+/* Returns the least limit of a group and its parents: of files with a number, none
+ * where there is no file, the number is larger (v1 writes a huge one for no limit),
+ * or is "max". In a container the path may be the host's, of which only the mounted
+ * folder exists. */
 static size_t least_upwards(const char *mount, const char *group,
                             const char *file, size_t most)
 {
@@ -39,8 +26,14 @@ static size_t least_upwards(const char *mount, const char *group,
             continue;
         const int n = snprintf(path, sizeof path, "%s%.*s/%s", mount, length,
                                group, file);
-        if (n > 0 && (size_t) n < sizeof path)
-            most = limit_of(path, most);
+        char line[64] = "";
+        FILE *const f =
+            n > 0 && (size_t) n < sizeof path ? fopen(path, "re") : NULL;
+        const char *const number = f ? fgets(line, sizeof line, f) : NULL;
+        const unsigned long long v = number ? strtoull(line, NULL, 10) : 0;
+        most = v > 0 && v < most ? (size_t) v : most;
+        if (f)
+            fclose(f);
     }
     return most;
 }

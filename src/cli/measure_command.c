@@ -172,24 +172,6 @@ static gp_status give_planes(void *user, const struct gp_log *log,
     return gp_run_occluders(&u->run, &u->state);
 }
 
-/* Names a row's picture, and the command that makes it. */
-static json_t *about_row(const struct gp_log *log, const struct gp_settings *s,
-                         const char *row, const char *options)
-{
-    static const char bench[] = "glarepp bench";
-    const char *const *const in = s->input.files.at;
-    char *text = NULL;
-    if (!s->input.files.n)
-        return json_pack("{ss}", "name", row);
-    if (gp_command_text(log, s, in, 1, GP_COMMAND_WHOLE, &text))
-        return NULL;
-    json_t *const o = json_pack("{ss so}", "name", row, "command",
-                                json_sprintf("glarepp%s %s -o out.png",
-                                             text + sizeof bench - 1, options));
-    free(text);
-    return o;
-}
-
 /* Adds a row's picture to the page, after the exact one. */
 static gp_status take_picture(void *user, const struct gp_log *log,
                               const char *row, const char *options,
@@ -197,8 +179,12 @@ static gp_status take_picture(void *user, const struct gp_log *log,
                               const struct glarepp_image *exact,
                               const struct glarepp_image *flip)
 {
+    static const char bench[] = "glarepp bench";
     struct user *const u = user;
+    const struct gp_texts *const in = &u->run.s->input.files;
     struct glarepp_image base = *exact, shown = *picture;
+    json_t *const about = json_pack("{ss}", "name", row);
+    char *command = NULL;
     gp_status st = GP_OK;
     base.primaries = shown.primaries = NULL; // as a display has them
     if (!u->set.n) {
@@ -207,9 +193,17 @@ static gp_status take_picture(void *user, const struct gp_log *log,
                                json_pack("{ss}", "name", "the exact layer"),
                                &base, NULL, NULL));
     }
-    GP_TRY(gp_page_set_add(log, &u->set, about_row(log, u->run.s, row, options),
-                           &shown, &base, flip->plane[0]));
+    if (in->n) {
+        GP_TRY(gp_command_text(log, u->run.s, in->at, 1, GP_COMMAND_WHOLE,
+                               &command));
+        json_object_set_new(about, "command",
+                            json_sprintf("glarepp%s %s -o out.png",
+                                         command + sizeof bench - 1, options));
+    }
+    free(command);
+    return gp_page_set_add(log, &u->set, about, &shown, &base, flip->plane[0]);
 out:
+    json_decref(about);
     return st;
 }
 

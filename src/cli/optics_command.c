@@ -349,23 +349,6 @@ static void print_ghosts(const struct glarepp_lens *lens)
         printf("round\n");
 }
 
-static gp_status draw_lens(const struct gp_log *log, const char *path,
-                           struct glarepp_lens *lens)
-{
-    const struct glarepp_ghost *const ghost = lens->ghost;
-    int best = 0;
-    // brightest on the sensor: light over area
-    for (int i = 1; i < lens->ghosts; i++) {
-        if (ghost[i].through * ghost[best].a * ghost[best].a >
-            ghost[best].through * ghost[i].a * ghost[i].a)
-            best = i;
-    }
-    const char *const text =
-        glarepp_lens_draw(lens, lens->ghosts ? &ghost[best] : NULL);
-    return text ? gp_file_save(log, path, false, false, text, strlen(text))
-                : gp_no_memory(log, path);
-}
-
 static gp_status check_lens(const struct gp_log *log, struct glarepp *gp,
                             const struct gp_settings *s, int *status)
 {
@@ -407,8 +390,18 @@ static gp_status check_lens(const struct gp_log *log, struct glarepp *gp,
         printf("fault: the surfaces do not make what the file claims; compare "
                "it with its source\n");
     *status = fault;
-    if (draw)
-        GP_TRY(draw_lens(log, draw, &lens));
+    if (draw) {
+        // the brightest on the sensor: light over area
+        const struct glarepp_ghost *best = lens.ghosts ? lens.ghost : NULL;
+        for (int i = 1; i < lens.ghosts; i++) {
+            const struct glarepp_ghost *const g = &lens.ghost[i];
+            if (g->through * best->a * best->a > best->through * g->a * g->a)
+                best = g;
+        }
+        const char *const text = glarepp_lens_draw(&lens, best);
+        GP_TRY(text ? gp_file_save(log, draw, false, false, text, strlen(text))
+                    : gp_no_memory(log, draw));
+    }
     st = gp_flush_stdout(log);
 out:
     glarepp_lens_end(&lens);

@@ -343,21 +343,6 @@ static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
     return st;
 }
 
-/* Fails for a misspelt command, which must not be read as an input. */
-static gp_status check_command(const struct gp_log *log, const char *first)
-{
-    struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
-    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++)
-        gp_nearest_try(&near, c->word);
-    return near.name && !first[strspn(first, LETTERS)] &&
-                   access(first, F_OK) != 0
-               ? gp_fail(
-                     log, GP_ERR_USAGE,
-                     "%s: no such command or file; did you mean glarepp %s?",
-                     first, near.name)
-               : GP_OK;
-}
-
 gp_status gp_options_more(const struct gp_log *log, const struct gp_settings *s,
                           const char *name, const char *value,
                           struct gp_settings *out)
@@ -397,12 +382,20 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     if (st)
         return st;
     const char *const first = argc > 1 ? argv[1] : "";
-    const struct gp_command_row *const own = gp_command_named(first);
-    if (own) {
-        out->command = own->bit;
-        i++;
-    } else
-        st = check_command(log, first);
+    struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
+    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
+        gp_nearest_try(&near, c->word);
+        if (strcmp(c->word, first) == 0) {
+            out->command = c->bit;
+            i++;
+        }
+    }
+    // a misspelt command must not be read as an input
+    if (i == 1 && near.name && !first[strspn(first, LETTERS)] &&
+        access(first, F_OK) != 0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: no such command or file; did you mean glarepp %s?",
+                       first, near.name);
     for (; i < argc && !st; i++) {
         struct gp_use u;
         const char *const word = argv[i], *value;

@@ -11,11 +11,14 @@
  * page.js undoes it. Sums are modulo 2^16. */
 #include "cli/page/page.h"
 
+#include "cli/words.h"
 #include "core/colour.h"
 #include "core/half.h"
+#include "core/json.h"
 #include "core/maths.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "io/file.h"
 #include "io/write.h"
 
 #include <math.h>
@@ -87,26 +90,15 @@ static void read_luminance(const struct glarepp_image *l, struct gp_rect window,
     }
 }
 
-/* 0; or 1 to 255 for an error of 1e-9 to 100, in equal steps of its logarithm;
- * NaN and Inf are 255. page.js has the same constants. */
-static uint8_t code_of(double e)
-{
-    const double step = 11.0 * M_LN10 / 254.0;
-    return e == 0.0 ? 0
-           : !(e < 100.)
-               ? 255
-               : (uint8_t) (1 + gp_clamp_whole(rint((gp_log(fmax(e, 1e-9)) +
-                                                     9.0 * M_LN10) /
-                                                    step),
-                                               0, 254));
-}
-
-/* The relative error at each pixel: |dY| over Y of a and 1e-6 of its maximum. */
+/* The relative error at each pixel: |dY| over Y of a and 1e-6 of its maximum. 0; or
+ * 1 to 255 for an error of 1e-9 to 100, in equal steps of its logarithm; NaN and Inf
+ * are 255. page.js has the same constants. */
 static void find_relative(const struct glarepp_image *a,
                           const struct glarepp_image *b, struct gp_rect window,
                           float *row, uint8_t *to)
 {
     const int w = gp_rect_w(window);
+    const double step = 11.0 * M_LN10 / 254.0, least = 9.0 * M_LN10;
     float *const ya = row + w, *const yb = ya + w;
     double most = 0.0;
     for (int y = window.y0; y < window.y1; y++) {
@@ -120,8 +112,12 @@ static void find_relative(const struct glarepp_image *a,
         for (int x = 0; x < w; x++) {
             const double d = fabs((double) yb[x] - (double) ya[x]);
             const bool same = (isnan(ya[x]) && isnan(yb[x])) || ya[x] == yb[x];
-            to[x] =
-                code_of(same ? 0.0 : d / (fabs((double) ya[x]) + 1e-6 * most));
+            const double e = d / (fabs((double) ya[x]) + 1e-6 * most);
+            const double code = rint((gp_log(fmax(e, 1e-9)) + least) / step);
+            to[x] = same || e == 0.0 ? 0
+                    : !(e < 100.0)
+                        ? 255
+                        : (uint8_t) (1 + gp_clamp_whole(code, 0, 254));
         }
     }
 }
@@ -501,5 +497,68 @@ gp_status gp_page_thumb(const struct gp_log *log, const struct gp_page_set *s,
 out:
     gp_free(bytes);
     gp_free(k.row);
+    return st;
+}
+
+// -- the page -------------------------------------------------------------------
+
+size_t gp_page_room(const struct gp_settings *s, int pictures)
+{
+    // names and figures of a picture take up to about this
+    static const double TEXT = 4096.0, LEAST = 1024.0;
+    const double page =
+        (double) strlen(gp_page_before) + (double) strlen(gp_page_after);
+    const double pairs =
+        gp_option_given(s, "html-size") ? 1.0 : fmax(pictures / 2.0, 1.0);
+    const double room =
+        1e6 * s->page.megabytes * pairs - page - TEXT * pictures;
+    return (size_t) (room > LEAST ? room : LEAST);
+}
+
+gp_status gp_page_make(const struct gp_log *log, const struct gp_settings *s,
+                       const char *kind, const char *title, json_t **out)
+{
+    const struct gp_texts *const in = &s->input.files;
+    char *command = NULL;
+    const gp_status st =
+        gp_command_text(log, s, in->at, in->n, GP_COMMAND_ALL, &command);
+    if (!st)
+        *out = json_pack("{ss so ss so so}", "kind", kind, "title",
+                         gp_json_name(title), "version", GP_VERSION, "command",
+                         gp_json_name(command), "entries", json_array());
+    free(command);
+    return st;
+}
+
+gp_status gp_page_save(const struct gp_log *log, const struct gp_settings *s,
+                       const char *path, json_t *page)
+{
+    char *const text =
+        gp_json_print(page, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    static const char less[] = "\\u003c";
+    struct gp_file *f = NULL;
+    gp_status st = text ? GP_OK : gp_no_memory(log, path);
+    GP_TRY(st);
+    GP_TRY(gp_file_open(log, path, false, false, &f));
+    GP_TRY(gp_file_write(f, gp_page_before, strlen(gp_page_before)));
+    // JSON in a script element: no "<" may end it, or begin another
+    for (const char *at = text; *at; at += *at == '<') {
+        const size_t n = strcspn(at, "<");
+        GP_TRY(gp_file_write(f, at, n));
+        at += n;
+        GP_TRY(gp_file_write(f, less, *at ? sizeof less - 1 : 0));
+    }
+    GP_TRY(gp_file_write(f, gp_page_after, strlen(gp_page_after)));
+    st = gp_file_commit(&f);
+    const double size = 1e-6 * (double) (strlen(gp_page_before) + strlen(text) +
+                                         strlen(gp_page_after));
+    if (!st && gp_option_given(s, "html-size") && size > s->page.megabytes)
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: %.2g MB, over --html-size, by names and figures; make a "
+               "page of fewer frames",
+               path, size);
+out:
+    gp_file_discard(&f);
+    free(text);
     return st;
 }

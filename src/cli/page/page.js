@@ -74,7 +74,7 @@ function picture(set, i) {
   return p.ready;
 }
 
-// The relative error of a code, as in code_of() of pack.c.
+// The relative error of a code, as in find_relative() of pack.c.
 const errors = Float64Array.from({length: 256}, (_, c) => c ? c === 255 ? Infinity : 10 ** ((c - 1) * 11 / 254 - 9) : 0);
 
 // magma, as in gp_compare_heatmap(): t in [0,1] to 0xrrggbb
