@@ -3,6 +3,7 @@
  * compared, and reports: idiff's lines and more, a JSON object, pictures. */
 #include "cli/commands.h"
 #include "cli/compare_page.h"
+#include "cli/listener.h"
 #include "cli/words.h"
 #include "core/json.h"
 #include "core/memory.h"
@@ -376,46 +377,27 @@ out:
 }
 
 /* Has the library compare two images, by all limits of the command line. */
-static gp_status measure(const struct run *r,
-                         const struct gp_stored_image image[2],
-                         struct glarepp_compare **out)
-{
-    const struct gp_compare_settings *const s = &r->s->compare;
-    const double *const e = s->flip_exposures.v;
-    struct glarepp_compare_params p = s->limits;
-    struct glarepp_stored stored[2];
-    p.most = r->s->input.read.max_pixels;
-    p.start = (float) e[0];
-    p.stop = (float) e[1];
-    p.exposures = s->flip_exposures.n ? (int) e[2] : 0;
-    for (int k = 0; k < 2; k++) {
-        const struct gp_stored_image *const m = &image[k];
-        stored[k] = (struct glarepp_stored) {
-            .size = sizeof stored[k],
-            .name = k ? r->row.b : r->row.a,
-            .data = m->data,
-            .channel = m->channel,
-            .channels = m->channels,
-            .first = m->first,
-            .integers = m->integers,
-            .light = {m->light[0], m->light[1], m->light[2]},
-            .primaries = m->chromaticities,
-        };
-    }
-    return (gp_status) glarepp_compare(r->gp, &p, &stored[0], &stored[1], out);
-}
-
 static gp_status compare_images(struct run *r,
                                 const struct gp_stored_image image[2])
 {
     gp_status st;
     struct glarepp_compare *compare = NULL;
     const struct gp_compare_settings *const p = &r->s->compare;
+    const double *const e = p->flip_exposures.v;
+    struct glarepp_compare_params limits = p->limits;
+    struct glarepp_stored stored[2];
     bool unwritten = false;
-    GP_TRY(measure(r, image, &compare));
-    const struct glarepp_compare_facts *const f = glarepp_compare_facts(compare);
-    for (int k = 0; k < 2; k++)
+    limits.most = r->s->input.read.max_pixels;
+    limits.start = (float) e[0];
+    limits.stop = (float) e[1];
+    limits.exposures = p->flip_exposures.n ? (int) e[2] : 0;
+    for (int k = 0; k < 2; k++) {
+        stored[k] = gp_stored_view(&image[k], k ? r->row.b : r->row.a);
         r->row.image[k] = &image[k];
+    }
+    GP_TRY(glarepp_compare(r->gp, &limits, &stored[0], &stored[1], &compare));
+    const struct glarepp_compare_facts *const f =
+        glarepp_compare_facts(compare);
     r->row.compare = compare;
     r->row.facts = f;
     if (p->heatmap && !f->has_flip)

@@ -367,28 +367,6 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
 
 // -- the table, for the man page and completions ------------------------------
 
-/* Prints a model of glare and its keys. */
-static void print_model(FILE *f, int model)
-{
-    const char *text, *source;
-    struct glarepp_key k;
-    const char *const name = glarepp_name(NULL, GLAREPP_MODELS, model, &text);
-    glarepp_name(NULL, GLAREPP_MODEL_SOURCES, model, &source);
-    fprintf(f, "model\t%s\t%s; %s.\n", name, text, source);
-    for (int n = 0; glarepp_key(model, n, &k); n++) {
-        fprintf(f, "key\t%s\t", k.name);
-        for (int i = 0; k.words && k.words[i]; i++)
-            fprintf(f, "%s%s", i ? " " : "", k.words[i]);
-        if (k.file)
-            fprintf(f, "\t%s (a path)\n", k.text);
-        else if (k.words)
-            fprintf(f, "\t%s\n", k.text);
-        else
-            fprintf(f, "\t%s (%g to %g; default %g)\n", k.text, k.lo, k.hi,
-                    k.preset);
-    }
-}
-
 void gp_help_table(FILE *f)
 {
     char text[1024];
@@ -419,8 +397,22 @@ void gp_help_table(FILE *f)
                 fprintf(f, "value\t%s\t%s\n", name, line ? line : "");
         }
     }
-    for (int i = 0; glarepp_name(NULL, GLAREPP_MODELS, i, NULL); i++)
-        print_model(f, i);
+    for (int m = 0; (name = glarepp_name(NULL, GLAREPP_MODELS, m, &line));
+         m++) {
+        const char *source;
+        struct glarepp_key k;
+        glarepp_name(NULL, GLAREPP_MODEL_SOURCES, m, &source);
+        fprintf(f, "model\t%s\t%s; %s.\n", name, line, source);
+        for (int n = 0; glarepp_key(m, n, &k); n++) {
+            fprintf(f, "key\t%s\t", k.name);
+            for (int i = 0; k.words && k.words[i]; i++)
+                fprintf(f, "%s%s", i ? " " : "", k.words[i]);
+            fprintf(f, "\t%s%s", k.text, k.file ? " (a path)" : "");
+            if (!k.file && !k.words)
+                fprintf(f, " (%g to %g; default %g)", k.lo, k.hi, k.preset);
+            fprintf(f, "\n");
+        }
+    }
     for (int i = 0; (name = glarepp_name(NULL, GLAREPP_PRESET_RECIPES, i,
                                          &line)); i++)
         fprintf(f, "preset\t%s\t%s\n", name, line);

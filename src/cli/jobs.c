@@ -390,25 +390,22 @@ gp_status gp_job_beside(const struct gp_log *log, const struct gp_job *job,
     return *name ? GP_OK : gp_no_memory(log, path);
 }
 
-/* Checks the files of an option that are beside frames. */
-static gp_status check_beside(const struct gp_output_guard *c, const char *what,
-                              const char *path, const struct gp_jobs *j)
-{
-    gp_status st = GP_OK;
-    for (int i = 0; path && i < j->n && !st; i++) {
-        char *name;
-        if (gp_job_beside(NULL, &j->job[i], path, &name))
-            continue; // reading the frame reports it
-        st = gp_output_guard_input(c, what, name);
-        free(name);
-    }
-    return st;
-}
-
 gp_status gp_jobs_check_names(
     const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *j, const char *const *also, int n)
 {
+    enum { BESIDE = 5 };
+    const struct gp_mask_word mask =
+        gp_mask_word_of(s->light.mask ? s->light.mask : "crypto:");
+    const struct {
+        const char *what, *path;
+    } beside[BESIDE] = {
+        {"--depth-file", s->sun.depth_file},
+        {"--mask-file", s->sun.mask_file},
+        {"--deep", s->sun.deep},
+        {"--source", s->light.source},
+        {"--source-mask", mask.crypto ? NULL : mask.word},
+    };
     gp_status st = GP_OK;
     struct gp_output_guard c = {.log = log, .s = s};
     for (int t = 0; t < j->targets; t++) {
@@ -438,15 +435,15 @@ gp_status gp_jobs_check_names(
         GP_TRY(gp_output_guard_input(&c, "input", "-"));
     for (int i = 0; i < j->n && c.exists && !j->members.n; i += j->views)
         GP_TRY(gp_output_guard_input(&c, "input", j->job[i].input));
-    if (c.exists) {
-        GP_TRY(check_beside(&c, "--depth-file", s->sun.depth_file, j));
-        GP_TRY(check_beside(&c, "--mask-file", s->sun.mask_file, j));
-        GP_TRY(check_beside(&c, "--deep", s->sun.deep, j));
-        GP_TRY(check_beside(&c, "--source", s->light.source, j));
+    for (int i = 0; i < BESIDE * j->n && c.exists; i++) {
+        char *name;
+        const char *const path = beside[i % BESIDE].path;
+        if (!path || gp_job_beside(NULL, &j->job[i / BESIDE], path, &name))
+            continue; // reading the frame reports it
+        st = gp_output_guard_input(&c, beside[i % BESIDE].what, name);
+        free(name);
+        GP_TRY(st);
     }
-    if (c.exists && s->light.mask && !gp_mask_word_of(s->light.mask).crypto)
-        GP_TRY(check_beside(&c, "--source-mask",
-                            gp_mask_word_of(s->light.mask).word, j));
     for (int i = 0; i < n; i++)
         GP_TRY(gp_output_guard_input(&c, "another file names", also[i]));
 out:

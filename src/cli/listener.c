@@ -115,35 +115,28 @@ const char *gp_hint(const char *parameter, const char *text)
     return !h ? "" : strstr(text, "; ") ? h->more : h->first;
 }
 
-/* Words of --kernel that a message is about, before it. */
-struct kernel_words {
-    char text[256];
-};
+enum { WORDS_BYTES = 256 };
 
-static struct kernel_words words_of(const struct gp_settings *s,
-                                    const char *parameter)
+/* Finds the words of --kernel that a message is about, before it. */
+static void find_words(const struct gp_settings *s, const char *parameter,
+                       char *text)
 {
-    struct kernel_words w = {""};
     int first = 0, last = 1;
     // NOLINTNEXTLINE(cert-err34-c): the library wrote it
-    if (sscanf(parameter, "plan.more %d", &first) == 1) {
-        snprintf(w.text, sizeof w.text,
+    if (sscanf(parameter, "plan.more %d", &first) == 1)
+        snprintf(text, WORDS_BYTES,
                  "%.252s: ", s->input.group_kernels.at[first]);
-        return w;
-    }
     // NOLINTNEXTLINE(cert-err34-c): the library wrote it
     if (sscanf(parameter, "kernel.word %d %d", &first, &last) != 2 &&
         strncmp(parameter, "kernel.percent", strlen("kernel.percent")) != 0)
-        return w;
+        return;
     for (int i = gp_max(first, 0); i < gp_min(last, s->kernel.words.n); i++) {
-        const size_t used = strlen(w.text);
-        snprintf(w.text + used, sizeof w.text - used, "%s%s",
+        const size_t used = strlen(text);
+        snprintf(text + used, WORDS_BYTES - used, "%s%s",
                  i > first ? " and " : "", s->kernel.words.at[i]);
     }
-    const size_t used = strlen(w.text);
-    snprintf(w.text + used, sizeof w.text - used, "%s: ",
-             used ? "" : "--kernel");
-    return w;
+    const size_t used = strlen(text);
+    snprintf(text + used, WORDS_BYTES - used, "%s: ", used ? "" : "--kernel");
 }
 
 static _Thread_local const struct gp_log *about;
@@ -157,7 +150,7 @@ void gp_hear(void *user, const struct glarepp_message *m)
 {
     const struct gp_listener *const l = user;
     const struct gp_log *const to = m->user ? m->user : about ? about : l->log;
-    const struct kernel_words words = words_of(l->s, m->parameter);
+    char words[WORDS_BYTES] = "";
     const char *const engine = l->s->light.layer.engine;
     const bool splat = engine && strcmp(engine, "splat") == 0;
     const bool exact = l->s->sun.p.method == GLAREPP_EXACT;
@@ -172,8 +165,9 @@ void gp_hear(void *user, const struct glarepp_message *m)
     const char *const hint = gp_hint(helps, m->text);
     if (gp_no_depth(l->s) && strcmp(m->parameter, "frame.coverage") == 0)
         return; // that nothing hides the lights was asked for
+    find_words(l->s, m->parameter, words);
     (void) gp_print(to, m->bare ? GP_LEVEL_BARE : (enum gp_level) m->level,
-                    (gp_status) m->status, "", "%s%s%s", words.text, m->text,
+                    (gp_status) m->status, "", "%s%s%s", words, m->text,
                     hint);
 }
 
@@ -222,6 +216,22 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
         size[0] > 0.0)
         p.sensor = size[0]; // OpenEXR 3.2
     return p;
+}
+
+struct glarepp_stored gp_stored_view(const struct gp_stored_image *m,
+                                     const char *name)
+{
+    return (struct glarepp_stored) {
+        .size = sizeof(struct glarepp_stored),
+        .name = name,
+        .data = m->data,
+        .channel = m->channel,
+        .channels = m->channels,
+        .first = m->first,
+        .integers = m->integers,
+        .light = {m->light[0], m->light[1], m->light[2]},
+        .primaries = m->chromaticities,
+    };
 }
 
 // -- files of glarepp kernel --------------------------------------------------

@@ -32,6 +32,10 @@ GP_MUST_CHECK gp_status gp_refuse_cube(const struct gp_log *log,
 struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
                                                const struct gp_frame *f);
 
+/* Returns an image as its file stores it, borrowed. */
+struct glarepp_stored gp_stored_view(const struct gp_stored_image *m,
+                                     const char *name);
+
 /* Names of the recipes' attributes in a file of glarepp kernel;
  * glare/model/README.md has the others. */
 enum { GP_KERNEL_RECIPES = 8 };

@@ -146,24 +146,6 @@ static void add_cost(struct gp_cost_facts *c, int time, double ms, double cpu)
     c->ms[GP_TIME_TOTAL] = fmax(c->ms[GP_TIME_TOTAL], 0.0) + ms;
 }
 
-/* Tests whether a stage draws the flare or lens of a style, not of an option, in a
- * lat-long, which has no axis for it; says so once. */
-static bool lacks_axis(struct gp_run *r, const struct gp_stage *stage,
-                       const struct gp_frame_state *fs)
-{
-    if (!fs->sphere || !(stage->gives & (GP_HAS_FLARE | GP_HAS_LENS)) ||
-        gp_option_given(r->s, stage->name) ||
-        !gp_style_sets(r->s->light.style, stage->name))
-        return false;
-    if (!r->warned_axis)
-        gp_say(fs->log, GP_LEVEL_WARN,
-               "%s: a lat-long has no axis of a lens: style %s is without its "
-               "%s",
-               fs->job->input, r->s->light.style, stage->name);
-    r->warned_axis = true;
-    return true;
-}
-
 /* Runs a stage, and counts its time: of engines within it as glare. */
 static gp_status run_stage(struct pipeline *p, const struct gp_stage *stage,
                            struct gp_frame_state *fs)
@@ -171,8 +153,19 @@ static gp_status run_stage(struct pipeline *p, const struct gp_stage *stage,
     struct gp_cost_facts *const cost = &fs->facts.cost;
     const double start = gp_now_ms(), cpu = gp_cpu_ms();
     double engines = 0.0, engines_cpu = 0.0;
-    if (lacks_axis(&p->run, stage, fs))
+    struct gp_run *const r = &p->run;
+    // a lat-long has no axis for the flare or lens of a style
+    if (fs->sphere && stage->gives & (GP_HAS_FLARE | GP_HAS_LENS) &&
+        !gp_option_given(r->s, stage->name) &&
+        gp_style_sets(r->s->light.style, stage->name)) {
+        if (!r->warned_axis)
+            gp_say(fs->log, GP_LEVEL_WARN,
+                   "%s: a lat-long has no axis of a lens: style %s is without "
+                   "its %s",
+                   fs->job->input, r->s->light.style, stage->name);
+        r->warned_axis = true;
         return GP_OK;
+    }
     const gp_status st =
         stage->run ? stage->run(&p->run, fs)
                    : (gp_status) glarepp_frame_run(fs->frame, stage->step);

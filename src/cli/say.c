@@ -149,20 +149,15 @@ static void say_input(FILE *w, const struct gp_frame_report *f)
         fprintf(w, ", %s over --max-value", count_text(clamped).text);
 }
 
-static bool is_lit(const struct gp_write_facts *f)
-{
-    for (int i = 0; i < f->n; i++) {
-        if (f->file[i].kind == GP_TARGET_HDR || f->file[i].kind == GP_TARGET_PICTURE)
-            return true;
-    }
-    return false;
-}
-
 static void say_light(FILE *w, const struct gp_frame_report *f)
 {
     const struct gp_settings *const s = f->job.settings;
     const struct gp_light_sums sums = sums_of(s, &f->lib.sense);
     const long long n = f->lib.sense.sources;
+    bool lit = false;
+    for (const struct gp_written *o = f->write.file;
+         o < f->write.file + f->write.n; o++)
+        lit |= o->kind == GP_TARGET_HDR || o->kind == GP_TARGET_PICTURE;
     if (n)
         fprintf(w, n == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
                 count_text(n).text);
@@ -178,7 +173,7 @@ static void say_light(FILE *w, const struct gp_frame_report *f)
     if (f->lib.sense.lamps > 0.0)
         fprintf(w, " and lights");
     if (n)
-        add_light(w, is_lit(&f->write), &sums);
+        add_light(w, lit, &sums);
     else
         fprintf(w, ": nothing glares");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Reads what glares beside a frame's own light: --source, and --source-mask. */
+#include "cli/listener.h"
 #include "cli/stages.h"
 
 #include "core/memory.h"
@@ -134,7 +135,6 @@ gp_status gp_read_samples(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
     const struct gp_sun_settings *const sun = &s->sun;
-    const struct gp_rect *const w = &fs->deep.data;
     struct glarepp_image v = GLAREPP_IMAGE;
     gp_status st = GP_OK;
     bool found;
@@ -145,14 +145,7 @@ gp_status gp_read_samples(const struct gp_run *r, struct gp_frame_state *fs)
         GP_TRY(gp_job_beside(fs->log, fs->job, sun->deep, &fs->deep_name));
     GP_TRY(gp_read_deep(fs->log, &s->input.read, &fs->file, fs->deep_name,
                         &fs->deep, &found));
-    struct glarepp_stored deep = {
-        .size = sizeof deep,
-        .name = fs->deep_name,
-        .data = {w->x0, w->y0, w->x1, w->y1},
-        .channel = fs->deep.channel,
-        .channels = fs->deep.channels,
-        .first = fs->deep.first,
-    };
+    struct glarepp_stored deep = gp_stored_view(&fs->deep, fs->deep_name);
     v.plane[0] = &deep;
     if (found)
         st = (gp_status) glarepp_frame_set(fs->frame, GLAREPP_DEEP, &v);

@@ -195,24 +195,6 @@ out:
 
 // -- all of them --------------------------------------------------------------
 
-static gp_status write_page(const struct gp_log *log,
-                            const struct gp_settings *s,
-                            const struct sheet *sheet, const char *path)
-{
-    json_t *page = NULL, *set;
-    gp_status st;
-    GP_TRY(gp_page_make(log, s, "styles", gp_base_name(s->input.files.at[0]),
-                        &page));
-    GP_TRY(gp_page_pack(log, &sheet->set, gp_page_room(s, sheet->tiles), &set));
-    json_array_append_new(
-        json_object_get(page, "entries"),
-        json_pack("{so so}", "set", set, "notes", json_array()));
-    return gp_page_save(log, s, path, page);
-out:
-    json_decref(page);
-    return st;
-}
-
 static gp_status write_sheet(const struct gp_log *log,
     const struct gp_settings *s, const struct sheet *sheet)
 {
@@ -222,15 +204,27 @@ static gp_status write_sheet(const struct gp_log *log,
         (struct gp_rect) {0, 0, sheet_w(sheet), sheet_h(sheet)});
     f.path = (char *) s->input.files.at[0];
     char *command = NULL;
-    gp_status st = gp_command_text(log, s, s->input.files.at, 1,
-                                   GP_COMMAND_NAMES, &command);
+    gp_status st;
+    GP_TRY(gp_command_text(log, s, s->input.files.at, 1, GP_COMMAND_NAMES,
+                           &command));
     p.command = command;
-    for (int i = 0; i < s->output.pictures.n && !st; i++) {
+    for (int i = 0; i < s->output.pictures.n; i++) {
         const char *const path = s->output.pictures.at[i];
-        st = is_page(path) ? write_page(log, s, sheet, path)
-                           : gp_write_picture(log, &p, path, &f, &sheet->planes,
-                                              GP_PICTURE_SHOWN, &stats);
+        json_t *page, *set;
+        if (!is_page(path)) {
+            GP_TRY(gp_write_picture(log, &p, path, &f, &sheet->planes,
+                                    GP_PICTURE_SHOWN, &stats));
+            continue;
+        }
+        GP_TRY(gp_page_pack(log, &sheet->set, gp_page_room(s, sheet->tiles),
+                            &set));
+        set = json_pack("[{so so}]", "set", set, "notes", json_array());
+        GP_TRY(gp_page_make(log, s, "styles",
+                            gp_base_name(s->input.files.at[0]), &page));
+        json_object_set_new(page, "entries", set);
+        GP_TRY(gp_page_save(log, s, path, page));
     }
+out:
     free(command);
     return st;
 }
