@@ -37,15 +37,11 @@ struct run {
 
 // -- text --------------------------------------------------------------------
 
-static const char *word_of(int result)
-{
-    static const char *const word[] = {
-        [GP_COMPARE_MATCH] = "match", [GP_COMPARE_WARNING] = "warning",
-        [GP_COMPARE_FAILURE] = "failure", [GP_COMPARE_DIFFERENT] = "different",
-        [GP_COMPARE_FILE] = "file error",
-    };
-    return word[result];
-}
+static const char *const result_words[] = {
+    [GP_COMPARE_MATCH] = "match",     [GP_COMPARE_WARNING] = "warning",
+    [GP_COMPARE_FAILURE] = "failure", [GP_COMPARE_DIFFERENT] = "different",
+    [GP_COMPARE_FILE] = "file error",
+};
 
 static void print_worst(const struct gp_compare_row *r)
 {
@@ -157,7 +153,7 @@ static void print_frame(const struct gp_compare_row *r)
     printf("%d", r->frame);
     if (r->parts > 1)
         printf(", part %d", r->part);
-    printf(": %s; ", word_of(r->result));
+    printf(": %s; ", result_words[r->result]);
     if (r->why) {
         printf("%s\n", gp_printable(r->why).text);
         return;
@@ -175,12 +171,12 @@ static void print_frame(const struct gp_compare_row *r)
 
 static json_t *row_json(const struct gp_compare_row *r, bool numbered)
 {
-    json_t *const o = json_pack("{so so so* so* ss si so*}",
-        "a", gp_json_name(r->a), "b", gp_json_name(r->b),
-        "frame", numbered ? json_integer(r->frame) : NULL,
-        "part", r->parts > 1 ? json_integer(r->part) : NULL,
-        "result", word_of(r->result), "status", r->result,
-        "why", r->why ? gp_json_name(r->why) : NULL);
+    json_t *const o = json_pack(
+        "{so so so* so* ss si so*}", "a", gp_json_name(r->a), "b",
+        gp_json_name(r->b), "frame", numbered ? json_integer(r->frame) : NULL,
+        "part", r->parts > 1 ? json_integer(r->part) : NULL, "result",
+        result_words[r->result], "status", r->result, "why",
+        r->why ? gp_json_name(r->why) : NULL);
     if (r->why)
         return o;
     const struct glarepp_compare_facts *const f = r->facts;
@@ -581,10 +577,10 @@ static gp_status compare_all(struct run *r)
     for (int i = 0; i < r->frames.n; i++)
         GP_TRY(compare_frame(r, r->frames.number[i]));
     if (prints(r) && r->frames.n) {
-        printf("%d frames: %s", r->frames.n, word_of(r->worst));
+        printf("%d frames: %s", r->frames.n, result_words[r->worst]);
         for (int i = 0; i <= GP_COMPARE_FILE; i++) {
             if (r->count[i])
-                printf(", %d %s", r->count[i], word_of(i));
+                printf(", %d %s", r->count[i], result_words[i]);
         }
         putchar('\n');
     }

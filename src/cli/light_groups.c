@@ -40,20 +40,17 @@ static bool cut_group(char *word, struct gp_light_group *out)
 gp_status gp_light_groups_read(const struct gp_log *log, struct gp_settings *s)
 {
     const struct gp_texts *const words = &s->input.light_groups;
-    const size_t head = (size_t) words->n * sizeof *s->input.group;
-    size_t bytes = head;
     gp_status st;
-    for (int i = 0; i < words->n; i++)
-        bytes += strlen(words->at[i]) + 1;
     if (!words->n)
         return GP_OK;
-    char *block;
-    GP_TRY(gp_alloc(log, "light groups", bytes, 1, &block));
-    s->input.group = (void *) block;
-    block += head; // the words
+    GP_TRY(gp_alloc_zero(log, "light groups", (size_t) words->n,
+                         sizeof *s->input.group, &s->input.group));
     for (int i = 0; i < words->n; i++) {
         struct gp_light_group *const g = &s->input.group[i];
-        if (!cut_group(strcpy(block, words->at[i]), g))
+        char *const word = gp_strdup(words->at[i]);
+        if (!word)
+            return gp_no_memory_bare(log, "light groups");
+        if (!cut_group(word, g))
             return gp_fail(log, GP_ERR_USAGE,
                            "--light-group: not a layer with "
                            "a kernel or gain (found \"%s\"); write "
@@ -85,7 +82,6 @@ gp_status gp_light_groups_read(const struct gp_log *log, struct gp_settings *s)
                                "its own; give the light group another name",
                                g->name));
         }
-        block += strlen(words->at[i]) + 1;
     }
 out:
     return st;

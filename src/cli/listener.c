@@ -180,17 +180,6 @@ static double positive(const struct gp_frame *f, const char *name)
     return gp_frame_numbers(f, name, 1, &v) && v > 0.0 ? v : 0.0;
 }
 
-gp_status gp_refuse_cube(const struct gp_log *log, const struct gp_frame *f)
-{
-    double map = 0.0;
-    if (!gp_frame_numbers(f, "envmap", 1, &map) || map == 0.0)
-        return GP_OK;
-    return gp_fail(log, GP_ERR_DATA,
-                   "%s: its envmap is a cube map; make a "
-                   "lat-long of it: exrenvmap -l IN.exr OUT.exr",
-                   f->path);
-}
-
 struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
                                                const struct gp_frame *f)
 {

@@ -24,10 +24,6 @@ void gp_hear_about(const struct gp_log *log);
  * "". */
 const char *gp_hint(const char *parameter, const char *text);
 
-/* Errors: DATA a frame that its file says is a cube map. */
-GP_MUST_CHECK gp_status gp_refuse_cube(const struct gp_log *log,
-                                       const struct gp_frame *f);
-
 /* Returns what a job and its file say of a frame, and a view of its pixels. */
 struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
                                                const struct gp_frame *f);

@@ -279,27 +279,7 @@ gp_status gp_kernel_command(const struct gp_log *log, struct glarepp *gp,
                              : write_kernel(log, gp, s);
 }
 
-// -- lens --list --------------------------------------------------------------
-
-static gp_status list_lenses(const struct gp_log *log, struct glarepp *gp)
-{
-    const char *name;
-    if (!glarepp_name(gp, GLAREPP_LENSES, 0, NULL))
-        return gp_fail(log, GP_ERR_IO, "lenses: not found beside the program; "
-                       "install it whole, or name their folder's parent in "
-                       "GLAREPP_EXAMPLES");
-    for (int i = 0; (name = glarepp_name(gp, GLAREPP_LENSES, i, NULL)); i++) {
-        struct glarepp_lens lens;
-        const gp_status st = (gp_status) glarepp_lens(gp, name, &lens);
-        if (st)
-            return st;
-        printf("%-14s %s (%s)\n", name, lens.name, lens.patent);
-        glarepp_lens_end(&lens);
-    }
-    return gp_flush_text(log);
-}
-
-// -- lens --check -------------------------------------------------------------
+// -- lens --------------------------------------------------------------------
 
 /* Prints a figure beside its claim; true where they differ by over `most`. */
 static bool print_claim(const char *what, const char *unit, double computed,
@@ -411,6 +391,21 @@ out:
 gp_status gp_lens_command(const struct gp_log *log, struct glarepp *gp,
                           const struct gp_settings *s, int *status)
 {
-    return s->making.list ? list_lenses(log, gp)
-                          : check_lens(log, gp, s, status);
+    const char *name;
+    if (!s->making.list)
+        return check_lens(log, gp, s, status);
+    if (!glarepp_name(gp, GLAREPP_LENSES, 0, NULL))
+        return gp_fail(log, GP_ERR_IO,
+                       "lenses: not found beside the program; "
+                       "install it whole, or name their folder's parent in "
+                       "GLAREPP_EXAMPLES");
+    for (int i = 0; (name = glarepp_name(gp, GLAREPP_LENSES, i, NULL)); i++) {
+        struct glarepp_lens lens;
+        const gp_status st = (gp_status) glarepp_lens(gp, name, &lens);
+        if (st)
+            return st;
+        printf("%-14s %s (%s)\n", name, lens.name, lens.patent);
+        glarepp_lens_end(&lens);
+    }
+    return gp_flush_text(log);
 }

@@ -80,7 +80,7 @@ struct gp_keyed {
 
 /* A layer that glares. */
 struct gp_light_group {
-    const char *name;
+    char *name;         // owned, with the kernel's word
     const char *kernel; // a word; NULL: those of --kernel
     int more;           // 0, or from 1 which of group_kernels
     float gain;

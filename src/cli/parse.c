@@ -39,6 +39,8 @@ void gp_settings_free(struct gp_settings *s)
     GP_FREE(s->keyed);
     gp_words_free(&s->words.read);
     GP_FREE(s->words.all);
+    for (int i = 0; s->input.group && i < s->input.light_groups.n; i++)
+        gp_free(s->input.group[i].name);
     GP_FREE(s->input.group);
 }
 

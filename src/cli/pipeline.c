@@ -250,9 +250,7 @@ static void free_unit(struct pipeline *p, struct unit *u)
         }
     }
     gp_frame_log_close(&u->log);
-    u->kept = false;
-    u->bytes = 0;
-    u->state = FREE;
+    *u = (struct unit) {.view = u->view};
 }
 
 /* True for errors that may be of one frame only; a lost context, a full memory

@@ -157,8 +157,13 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     const size_t room = (size_t) fs->groups + 1;
     struct glarepp_image *group = NULL;
     struct glarepp_group *how = NULL;
+    double map = 0.0;
     gp_status st;
-    GP_TRY(gp_refuse_cube(fs->log, &fs->file));
+    if (gp_frame_numbers(&fs->file, "envmap", 1, &map) && map != 0.0)
+        GP_TRY(gp_fail(fs->log, GP_ERR_DATA,
+                       "%s: its envmap is a cube map; make a lat-long of it: "
+                       "exrenvmap -l IN.exr OUT.exr",
+                       fs->file.path));
     GP_TRY(gp_alloc(fs->log, "light groups", room, sizeof *group, &group));
     GP_TRY(gp_alloc(fs->log, "light groups", room, sizeof *how, &how));
     for (int i = 0; i < fs->groups; i++) {
