@@ -464,24 +464,6 @@ static gp_status set_mix(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-/* Fills in the sun of --sun or --sun-dir, and of --camera all but its place. */
-static void set_lights(struct gp_sun_settings *s)
-{
-    struct glarepp_light *const sun = &s->light;
-    strcpy(sun->name, "sun");
-    sun->place = s->at.n ? GLAREPP_PIXEL : GLAREPP_DIRECTION;
-    memcpy(sun->at, s->at.n ? s->at.v : s->dir.v, sizeof sun->at);
-    if (s->at.n == 3)
-        sun->radius = fabs(s->at.v[2]);
-    sun->degrees = (double) s->p.degrees;
-    for (int c = 0; c < 3 && s->color.n; c++)
-        sun->flux[c] = (float) s->color.v[s->color.n == 3 ? c : 0];
-    s->p.light = sun;
-    s->p.lights = s->at.n || s->dir.n;
-    s->p.sun = *sun;
-    s->p.faded = s->color.n > 0;
-}
-
 /* Has --ocio env name the config. */
 static gp_status find_config(const struct gp_log *log, const char **config)
 {
@@ -507,7 +489,21 @@ void gp_settings_point(struct gp_settings *s)
     k->normalized = given && !none;
     for (int c = 0; c < s->light.tint.n; c++)
         s->light.layer.tint[c] = (float) s->light.tint.v[c];
-    set_lights(&s->sun);
+    // the sun of --sun or --sun-dir, and of --camera all but its place
+    struct gp_sun_settings *const own = &s->sun;
+    struct glarepp_light *const sun = &own->light;
+    strcpy(sun->name, "sun");
+    sun->place = own->at.n ? GLAREPP_PIXEL : GLAREPP_DIRECTION;
+    memcpy(sun->at, own->at.n ? own->at.v : own->dir.v, sizeof sun->at);
+    if (own->at.n == 3)
+        sun->radius = fabs(own->at.v[2]);
+    sun->degrees = (double) own->p.degrees;
+    for (int c = 0; c < 3 && own->color.n; c++)
+        sun->flux[c] = (float) own->color.v[own->color.n == 3 ? c : 0];
+    own->p.light = sun;
+    own->p.lights = own->at.n || own->dir.n;
+    own->p.sun = *sun;
+    own->p.faded = own->color.n > 0;
     s->scene.relight = s->sun.relight.at;
     s->scene.relights = s->sun.relight.n;
     s->tone.map.context = s->tone.context.at;

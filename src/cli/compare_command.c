@@ -568,31 +568,6 @@ out:
     return st;
 }
 
-/* Compares all frames; prints how many are alike, and the verdict. */
-static gp_status compare_all(struct run *r)
-{
-    gp_status st = GP_OK;
-    if (!r->frames.n)
-        GP_TRY(compare_frame(r, 0));
-    for (int i = 0; i < r->frames.n; i++)
-        GP_TRY(compare_frame(r, r->frames.number[i]));
-    if (prints(r) && r->frames.n) {
-        printf("%d frames: %s", r->frames.n, result_words[r->worst]);
-        for (int i = 0; i <= GP_COMPARE_FILE; i++) {
-            if (r->count[i])
-                printf(", %d %s", r->count[i], result_words[i]);
-        }
-        putchar('\n');
-    }
-    if (prints(r))
-        puts(r->worst == GP_COMPARE_MATCH     ? "PASS"
-             : r->worst == GP_COMPARE_WARNING ? "WARNING" : "FAILURE");
-    else if (!gp_is_dash(r->s->bench.json) && r->worst >= GP_COMPARE_FAILURE)
-        fputs("FAILURE\n", stderr); // as idiff -q
-out:
-    return st;
-}
-
 gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
                              const struct gp_settings *s, int *status)
 {
@@ -613,7 +588,24 @@ gp_status gp_compare_command(const struct gp_log *log, struct glarepp *gp,
     r.write.command = command;
     r.write.dither = GP_DITHER_NEVER; // equal values become equal codes
     GP_TRY(find_frames(&r));
-    GP_TRY(compare_all(&r));
+    if (!r.frames.n)
+        GP_TRY(compare_frame(&r, 0));
+    for (int i = 0; i < r.frames.n; i++)
+        GP_TRY(compare_frame(&r, r.frames.number[i]));
+    if (prints(&r) && r.frames.n) {
+        printf("%d frames: %s", r.frames.n, result_words[r.worst]);
+        for (int i = 0; i <= GP_COMPARE_FILE; i++) {
+            if (r.count[i])
+                printf(", %d %s", r.count[i], result_words[i]);
+        }
+        putchar('\n');
+    }
+    if (prints(&r))
+        puts(r.worst == GP_COMPARE_MATCH     ? "PASS"
+             : r.worst == GP_COMPARE_WARNING ? "WARNING"
+                                             : "FAILURE");
+    else if (!gp_is_dash(s->bench.json) && r.worst >= GP_COMPARE_FAILURE)
+        fputs("FAILURE\n", stderr); // as idiff -q
     GP_TRY(gp_flush_stdout(log));
     GP_TRY(gp_compare_pages_write(&r.pages, 0, true));
     if (r.json)

@@ -82,15 +82,13 @@ static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
 {
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
-    gp_status st = GP_OK;
-    if (!s->input.files.n) // only settings
-        st = gp_output_guard_check(log, s, NULL, NULL);
-    else
-        st = gp_jobs_make(log, s, &jobs);
-    if (!st && s->words.save_settings)
-        st = gp_file_check(log, s->words.save_settings,
-                           s->output.write.create_dir);
-    if (!st && s->input.files.n) {
+    const char *const saved = s->words.save_settings;
+    gp_status st;
+    GP_TRY(s->input.files.n ? gp_jobs_make(log, s, &jobs) // else only settings
+                            : gp_output_guard_check(log, s, NULL, NULL));
+    if (saved)
+        GP_TRY(gp_file_check(log, saved, s->output.write.create_dir));
+    if (s->input.files.n) {
         gp_progress_open(&progress, stderr, s->run.level == GP_LEVEL_ERROR
                              ? GP_PROGRESS_NEVER : s->run.progress);
         voice->progress = &progress;
@@ -98,8 +96,9 @@ static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
         voice->progress = NULL;
         gp_progress_close(&progress);
     }
-    if (!st && s->words.save_settings)
+    if (!st && saved)
         st = gp_settings_save(log, s);
+out:
     gp_jobs_free(&jobs);
     return st;
 }

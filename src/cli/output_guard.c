@@ -246,8 +246,7 @@ gp_status gp_output_guard_check(const struct gp_log *log,
     for (int i = 0; (out = gp_output_at(s, i, &kind)) && !st; i++)
         st = gp_output_guard_add(
             &c, out, kind == GP_TARGET_PICTURE ? "-o" : "--debug", out, NULL);
-    if (!st)
-        st = gp_output_guard_settle(&c);
+    st = st ? st : gp_output_guard_settle(&c);
     if (!st && path)
         st = gp_output_guard_input(&c, what, path);
     gp_output_guard_end(&c);

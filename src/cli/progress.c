@@ -293,24 +293,13 @@ void gp_frame_log_close(struct gp_frame_log *l)
 
 // -- frames that failed ------------------------------------------------------
 
-/* Returns the first job, from `i` in steps of n, whose n have a failed one. */
-static int next_failed(const struct gp_jobs *j, int i, int n)
+/* True where one of n jobs failed. */
+static bool has_failed(const struct gp_jobs *j, int first, int n)
 {
-    for (; i < j->n; i += n) {
-        for (int k = i; k < i + n; k++) {
-            if (j->job[k].failed)
-                return i;
-        }
-    }
-    return i;
-}
-
-static int count_failed(const struct gp_jobs *j, int n)
-{
-    int found = 0;
-    for (int i = 0; (i = next_failed(j, i, n)) < j->n; i += n)
-        found++;
-    return found;
+    bool failed = false;
+    for (int i = first; i < first + n; i++)
+        failed |= j->job[i].failed;
+    return failed;
 }
 
 gp_status gp_failures_report(const struct gp_log *log, const struct gp_jobs *j,
@@ -320,9 +309,11 @@ gp_status gp_failures_report(const struct gp_log *log, const struct gp_jobs *j,
     char list[GP_FAILURES_BYTES] = "", item[64];
     const struct gp_job *const job = j->job;
     const int views = gp_jobs_of_frame(j), frames = j->n / views;
-    const int bad = count_failed(j, views);
+    int bad = 0, left = 0;
     bool numbers = true;
     size_t used = 0;
+    for (int i = 0; i < j->n; i += views)
+        bad += has_failed(j, i, views);
     if (kept)
         gp_say(log, GP_LEVEL_WARN, "--no-clobber: skipped %d of %d %s%s (all "
                "outputs exist); remove the files to make them again", kept,
@@ -334,11 +325,18 @@ gp_status gp_failures_report(const struct gp_log *log, const struct gp_jobs *j,
     for (int i = 0; i < j->n; i++)
         numbers = numbers && (!job[i].failed || job[i].numbered);
     const int step = numbers ? views : j->views;
-    int left = count_failed(j, step);
-    for (int i = next_failed(j, 0, step), next; i < j->n; i = next) {
+    for (int i = 0; i < j->n; i += step)
+        left += has_failed(j, i, step);
+    for (int i = 0, next; i < j->n; i = next) {
         int last = i, n = 1;
-        while ((next = next_failed(j, last + step, step)) < j->n && numbers &&
-               job[next].frame - job[last].frame == 1) {
+        next = i + step;
+        if (!has_failed(j, i, step))
+            continue;
+        for (; next < j->n; next += step) {
+            if (!has_failed(j, next, step))
+                continue;
+            if (!numbers || job[next].frame - job[last].frame != 1)
+                break;
             last = next;
             n++;
         }

@@ -18,27 +18,22 @@
 void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *line,
                    size_t size)
 {
-    char of[40] = "";
+    char of[40] = "", found[64] = "all are black";
     const struct glarepp_sense_facts *const s = &f->lib.sense;
-    const double t = (double) s->threshold;
-    const char *const file = f->read.source ? f->read.source : f->job.of.input;
+    const bool lit = s->peak > 0.0f;
+    const bool masked = lit && f->read.mask && s->peak > s->threshold;
     if (frames > 1)
         snprintf(of, sizeof of, " of %d frames", frames);
-    if (f->read.mask && s->peak > s->threshold)
-        snprintf(line, size,
-                 "%s: no pixel%s over the threshold %.3g is in the "
-                 "source mask (brightest %.3g at %d,%d); check --source-mask",
-                 file, of, t, (double) s->peak, s->peak_at[0], s->peak_at[1]);
-    else if (s->peak > 0.0f)
-        snprintf(line, size,
-                 "%s: no pixel%s is over the threshold %.3g "
-                 "(brightest %.3g at %d,%d); lower --threshold",
-                 file, of, t, (double) s->peak, s->peak_at[0], s->peak_at[1]);
-    else
-        snprintf(line, size,
-                 "%s: no pixel%s is over the threshold %.3g (all "
-                 "are black); check the frame",
-                 file, of, t);
+    if (lit)
+        snprintf(found, sizeof found, "brightest %.3g at %d,%d",
+                 (double) s->peak, s->peak_at[0], s->peak_at[1]);
+    snprintf(line, size, "%s: no pixel%s%s over the threshold %.3g%s (%s); %s",
+             f->read.source ? f->read.source : f->job.of.input, of,
+             masked ? "" : " is", (double) s->threshold,
+             masked ? " is in the source mask" : "", found,
+             masked ? "check --source-mask"
+             : lit  ? "lower --threshold"
+                    : "check the frame");
 }
 
 // -- the settings that made a picture -----------------------------------------
