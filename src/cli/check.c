@@ -12,16 +12,6 @@
 
 // -- needs of options --------------------------------------------------------
 
-/* True when that output has no ending that names its format. */
-static bool open_ended(const char *path)
-{
-    char ending[16];
-    if (!gp_file_is_straight(path))
-        return false;
-    gp_file_ending(path, ending, sizeof ending);
-    return ending[0] == '\0';
-}
-
 /* A need: whether the settings meet it, and what is said of an option that has
  * it where they do not, after "--NAME: ". */
 struct need {
@@ -29,15 +19,19 @@ struct need {
     const char *text, *found, *end; // printed one after the other
 };
 
-/* Tests whether there is an output file, and whether one has no ending. */
+/* Tests whether there is an output file, and whether one has no ending that names
+ * its format. */
 static void look_at_outputs(const struct gp_settings *s, bool *files,
                             bool *stream)
 {
     enum gp_target_kind kind;
     const char *path;
     int i = 0;
-    for (*stream = false; (path = gp_output_at(s, i, &kind)); i++)
-        *stream |= open_ended(path);
+    for (*stream = false; (path = gp_output_at(s, i, &kind)); i++) {
+        char ending[16];
+        gp_file_ending(path, ending, sizeof ending);
+        *stream |= !ending[0] && gp_file_is_straight(path);
+    }
     *files = i > 0;
 }
 

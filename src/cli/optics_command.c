@@ -149,26 +149,6 @@ static void print_key(const struct glarepp_key *k)
     gp_help_text(stdout, column, text);
 }
 
-static gp_status list_models(const struct gp_log *log)
-{
-    const char *name, *text, *more;
-    printf("Models: -k MODEL:key=value,key=value (keys with their defaults)\n");
-    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_MODELS, i, &text)); i++) {
-        struct glarepp_key key;
-        glarepp_name(NULL, GLAREPP_MODEL_SOURCES, i, &more);
-        printf("\n%s: %s\n  (%s)\n", name, text, more);
-        for (int k = 0; glarepp_key(i, k, &key); k++)
-            print_key(&key);
-    }
-    printf("\nPresets: -k builtin:NAME\n\n");
-    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_PRESETS, i, &text));
-         i++) {
-        glarepp_name(NULL, GLAREPP_PRESET_RECIPES, i, &more);
-        printf("  %-10s %s\n  %-10s %s\n", name, text, "", more);
-    }
-    return gp_flush_text(log);
-}
-
 // -- --check ------------------------------------------------------------------
 
 /* Finds the brightest source of a frame, and its size. */
@@ -274,9 +254,26 @@ out:
 gp_status gp_kernel_command(const struct gp_log *log, struct glarepp *gp,
                             const struct gp_settings *s, int *status)
 {
-    return s->making.list    ? list_models(log)
-           : s->making.check ? check_kernel(log, gp, s, status)
-                             : write_kernel(log, gp, s);
+    const char *name, *text, *more;
+    if (!s->making.list)
+        return s->making.check ? check_kernel(log, gp, s, status)
+                               : write_kernel(log, gp, s);
+    printf("Models: -k MODEL:key=value,key=value (keys with their defaults)\n");
+    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_MODELS, i, &text));
+         i++) {
+        struct glarepp_key key;
+        glarepp_name(NULL, GLAREPP_MODEL_SOURCES, i, &more);
+        printf("\n%s: %s\n  (%s)\n", name, text, more);
+        for (int k = 0; glarepp_key(i, k, &key); k++)
+            print_key(&key);
+    }
+    printf("\nPresets: -k builtin:NAME\n\n");
+    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_PRESETS, i, &text));
+         i++) {
+        glarepp_name(NULL, GLAREPP_PRESET_RECIPES, i, &more);
+        printf("  %-10s %s\n  %-10s %s\n", name, text, "", more);
+    }
+    return gp_flush_text(log);
 }
 
 // -- lens --------------------------------------------------------------------

@@ -312,22 +312,10 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
 
 enum { FLIGHT = 3 }; // one is read, one computed, one written
 
-/* Memory that all units share, the kernel and its transforms, in parts of the
- * largest unit, at most: that of a frame full of light is up to twice as wide
- * and high. */
+/* Memory that all units share, or with keys each has, the kernel and its transforms,
+ * in parts of the largest unit, at most: that of a frame full of light is up to twice
+ * as wide and high. */
 enum { SHARED = 2 };
-
-/* True when one more unit may start beside `in_flight` others: all of them and
- * what they share, or with keys each has, take half of the memory at most, each
- * as much as the largest so far. The first is read by itself, as nothing is known
- * before. */
-static bool has_room(const struct pipeline *p, int in_flight)
-{
-    const int shared = p->run.s->keyeds ? SHARED * (in_flight + 1) : SHARED;
-    return in_flight == 0 || p->run.s->run.frame_jobs || p->memory == 0 ||
-           (p->largest > 0 &&
-            p->largest < p->memory / 2 / (size_t) (in_flight + 1 + shared));
-}
 
 /* Chooses the next phase of a thread; false when there is none. Writing comes
  * before reading: it frees what the unit holds. */
@@ -356,8 +344,15 @@ static bool pick_phase(struct pipeline *p, bool first_thread, int *unit,
             return true;
         }
     }
+    // all units and what they share take half of the memory at most, each as much as
+    // the largest so far; the first is read by itself, as nothing is known before
+    const int shared = p->run.s->keyeds ? SHARED * (in_flight + 1) : SHARED;
+    const bool room =
+        in_flight == 0 || p->run.s->run.frame_jobs || !p->memory ||
+        (p->largest > 0 &&
+         p->largest < p->memory / 2 / (size_t) (in_flight + 1 + shared));
     if (p->next_read >= p->units || p->next_read >= p->limit ||
-        in_flight >= p->slots || !has_room(p, in_flight))
+        in_flight >= p->slots || !room)
         return false;
     *phase = GP_PHASE_READ;
     *unit = p->next_read++;

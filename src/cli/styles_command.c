@@ -18,11 +18,11 @@
 // -- the sheet: rows of tiles of one size, with captions ------------------------
 
 /* Tiles are at most so wide, in pixels. */
-enum { TILE = 640 };
+enum { TILE = 640, COLUMNS = 3 };
 
 struct sheet {
     int w, h;                // of a tile; 0: none is there yet
-    int columns, tiles;      // all that there will be
+    int tiles;               // all that there will be
     int i;                   // present tile
     const char *caption;     // of a to z, spaces and dashes; cut where too long
     struct gp_report report; // with a line for each
@@ -66,12 +66,12 @@ static const uint8_t dash[5] = {0x08, 0x08, 0x08, 0x08, 0x08}, space[5];
 
 static int sheet_w(const struct sheet *s)
 {
-    return s->columns * (s->w + GAP) + GAP;
+    return COLUMNS * (s->w + GAP) + GAP;
 }
 
 static int sheet_h(const struct sheet *s)
 {
-    const int rows = (s->tiles + s->columns - 1) / s->columns;
+    const int rows = (s->tiles + COLUMNS - 1) / COLUMNS;
     return rows * (s->h + LINE + GAP) + GAP;
 }
 
@@ -137,8 +137,8 @@ static gp_status draw_tile(void *user, const struct gp_log *log,
         for (size_t i = 0; i < 3 * pixels; i++)
             s->planes.c[i / pixels][i % pixels] = PAPER;
     }
-    const int left = GAP + s->i % s->columns * (s->w + GAP);
-    const int top = GAP + s->i / s->columns * (s->h + LINE + GAP);
+    const int left = GAP + s->i % COLUMNS * (s->w + GAP);
+    const int top = GAP + s->i / COLUMNS * (s->h + LINE + GAP);
     const double size[2] = {w / s->w, h / s->h};
     const int dx = f->display.x0 - f->data.x0, dy = f->display.y0 - f->data.y0;
     for (int y = 0; y < s->h; y++) {
@@ -232,7 +232,7 @@ out:
 gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
                             const struct gp_settings *s, int *status)
 {
-    struct sheet sheet = {.columns = 3, .tiles = 1};
+    struct sheet sheet = {.tiles = 1};
     const struct gp_style *style = gp_styles;
     gp_status st;
     (void) status;
