@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/progress.h"
 
+#include "cli/words.h"
 #include "core/clock.h"
 #include "core/json.h"
 #include "core/minmax.h"
@@ -188,12 +189,11 @@ void gp_progress_update(struct gp_progress *p, int done, int total,
     double now = gp_now_ms();
     if (!p->file)
         return;
-    const char *slash = strrchr(name, '/');
     pthread_mutex_lock(&p->lock);
     p->done = done;
     p->total = total;
     p->stage = stage;
-    snprintf(p->name, sizeof p->name, "%s", slash ? slash + 1 : name);
+    snprintf(p->name, sizeof p->name, "%s", gp_base_name(name));
     if (p->when >= GP_PROGRESS_PERCENT)
         print_news(p, now, false);
     else if (!p->terminal && now - p->last_ms >= PIPE_MS)

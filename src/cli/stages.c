@@ -638,10 +638,8 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
         if ((t->whole || t->hero) && fs->view > 0)
             continue; // the first view writes it
         char *const name = gp_job_name(fs->job, t);
-        if (!name) {
-            st = gp_no_memory(log, t->name.path);
-            break;
-        }
+        if (!name)
+            return gp_no_memory(log, t->name.path);
         facts->file[facts->n] = (struct gp_written) {name, t->kind};
         st = write_target(r, fs, &p, t, name, &stats);
         facts->n += !st;

@@ -14,8 +14,7 @@ struct gp_track {
 };
 
 struct gp_tracks {
-    struct gp_track
-        *track; // `n` of them, in order of their first frames; owned
+    struct gp_track *track; // `n`, in order of their first frames; owned
     int n;
 };
 
