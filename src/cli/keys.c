@@ -301,14 +301,13 @@ static gp_status read_keys(const struct gp_log *log, const char *file,
 gp_status gp_keys_read(const struct gp_use *u, struct gp_settings *s)
 {
     const struct gp_log *const log = u->log;
-    const char *const value = u->value;
-    struct gp_keyed k = {.option = u->option, .file = NULL};
+    const char *const value = u->value, *const path = value + 1;
+    const struct gp_option *const o = u->option;
+    struct gp_keyed k = {.option = o, .file = *value == '@' ? path : NULL};
     void *block = s->keyed, *text = NULL;
     uint64_t size = 0;
     gp_status st;
-    // what is made once for a run, or known before a frame is read, is in other
-    // groups
-    const struct gp_option *const o = u->option;
+    // (what is made once, or known before a frame is read, is in other groups)
     if (o->kind == GP_KIND_INT || o->kind == GP_KIND_COUNT ||
         (o->group != GP_GROUP_LIGHT && o->group != GP_GROUP_SUN &&
          o->group != GP_GROUP_TONE) ||
@@ -316,8 +315,7 @@ gp_status gp_keys_read(const struct gp_use *u, struct gp_settings *s)
         return gp_fail(log, GP_ERR_USAGE,
                        "--%s: takes no keys here (found %s), as it is the same "
                        "for all frames; give one value",
-                       u->option->name, value);
-    k.file = *value == '@' ? value + 1 : NULL;
+                       o->name, value);
     if (k.file) {
         GP_TRY(gp_load_regular(log, k.file, MOST_BYTES, &text, &size));
         if (size > MOST_BYTES)
@@ -331,7 +329,7 @@ gp_status gp_keys_read(const struct gp_use *u, struct gp_settings *s)
                      &block));
     s->keyed = block;
     s->keyed[s->keyeds++] = k;
-    gp_quantity_set(u->option, &k.key[0].v, s);
+    gp_quantity_set(o, &k.key[0].v, s);
     k.key = NULL; // the settings'
 out:
     gp_free(k.key);
@@ -362,11 +360,10 @@ void gp_settings_at(const struct gp_settings *s, int frame,
             i++;
         const struct gp_key *const after = &k->key[i < k->n ? i : i - 1];
         const struct gp_key *const before = &k->key[i > 0 ? i - 1 : 0];
-        struct gp_quantity v = before->v; // as it was written; between two keys
-        const double t = before == after  // by double
-                             ? 0.0
-                             : ((double) frame - before->frame) /
-                                   ((double) after->frame - before->frame);
+        // a key's own value as it was written, between two keys by double
+        struct gp_quantity v = before->v;
+        const double from = before->frame, way = after->frame - from;
+        const double t = way > 0.0 ? (frame - from) / way : 0.0;
         for (int c = 0; c < v.list.n && t != 0.0; c++)
             v.list.v[c] += t * (after->v.list.v[c] - v.list.v[c]);
         gp_quantity_set(k->option, &v, out);
