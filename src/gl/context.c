@@ -7,12 +7,28 @@
 #include "core/parallel.h"
 #include "gl/gl_priv.h"
 
+#define EGL_EGLEXT_PROTOTYPES // for their types: nothing is linked
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* A library that gives headless contexts. `file` lists its names, NULL ends, unless
+ * gp_env() has another; `package` is Debian's. */
+struct gp_gl_system {
+    const char *name, *package;
+    const char *const *file;
+    // Makes a context, 4.5 core where that can be had, else of any version so
+    // that the caller can say which one was found: sets proc, and window, which
+    // is closed after an error too
+    gp_status (*open)(const struct gp_log *log, void *library,
+                      struct gp_gl *gl);
+    // or no context at all; false: the system refused
+    bool (*make_current)(void *window, bool on);
+    void (*close)(void *window); // it is not current then
+};
 
 // -- OSMesa -------------------------------------------------------------------
 
@@ -32,7 +48,6 @@ struct osmesa {
     GLboolean (*make_current)(void *context, void *buffer, GLenum type,
                               GLsizei w, GLsizei h);
     void (*destroy)(void *context);
-    void (*(*proc)(const char *name))(void);
     unsigned char pixel[4]; // the window that OSMesa wants; never drawn to
 };
 
@@ -45,7 +60,7 @@ static void close_osmesa(void *window)
 }
 
 static gp_status open_osmesa(const struct gp_log *log, void *library,
-                             void **window)
+                             struct gp_gl *gl)
 {
     static const int core[] = {OSMESA_FORMAT, OSMESA_RGBA,
                                OSMESA_PROFILE, OSMESA_CORE_PROFILE,
@@ -54,18 +69,19 @@ static gp_status open_osmesa(const struct gp_log *log, void *library,
     static const int any[] = {OSMESA_FORMAT, OSMESA_RGBA, 0};
     struct osmesa *o;
     gp_status st = gp_alloc_zero(log, "OSMesa context", 1, sizeof *o, &o);
+    gl->window = o;
     if (st)
         return st;
-#define LOAD(field, symbol)                                                   \
-    *(void **) &o->field = dlsym(library, symbol);                            \
-    if (!o->field)                                                            \
-        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.gl.osmesa",                  \
-                          "OSMesa: " symbol " is missing; install OSMesa "    \
-                          "11.2 or newer (Debian package libosmesa6)"))
-    LOAD(create, "OSMesaCreateContextAttribs");
-    LOAD(make_current, "OSMesaMakeCurrent");
-    LOAD(destroy, "OSMesaDestroyContext");
-    LOAD(proc, "OSMesaGetProcAddress");
+#define LOAD(field, symbol)                                            \
+    *(void **) &(field) = dlsym(library, symbol);                      \
+    if (!(field))                                                      \
+    GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.gl.osmesa",               \
+                      "OSMesa: " symbol " is missing; install OSMesa " \
+                      "11.2 or newer (Debian package libosmesa6)"))
+    LOAD(o->create, "OSMesaCreateContextAttribs");
+    LOAD(o->make_current, "OSMesaMakeCurrent");
+    LOAD(o->destroy, "OSMesaDestroyContext");
+    LOAD(gl->proc, "OSMesaGetProcAddress");
 #undef LOAD
     o->context = o->create(core, NULL);
     if (!o->context)
@@ -74,10 +90,7 @@ static gp_status open_osmesa(const struct gp_log *log, void *library,
         GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.gl.osmesa",
                           "OSMesa: cannot make a context (neither 4.5 core nor "
                           "any other); install the Debian package libosmesa6"));
-    *window = o;
-    return GP_OK;
 out:
-    close_osmesa(o);
     return st;
 }
 
@@ -88,13 +101,7 @@ static bool osmesa_make_current(void *window, bool on)
               : o->make_current(NULL, NULL, 0, 0, 0);
 }
 
-static void (*osmesa_proc(void *window, const char *name))(void)
-{
-    struct osmesa *o = window;
-    return o->proc(name);
-}
-
-const struct gp_gl_system gp_gl_osmesa = {
+static const struct gp_gl_system by_osmesa = {
     .name = "OSMesa",
     .package = "libosmesa6",
     .file = (const char *const[]) {"libOSMesa.so.8", "libOSMesa.so.6",
@@ -102,27 +109,27 @@ const struct gp_gl_system gp_gl_osmesa = {
     .open = open_osmesa,
     .make_current = osmesa_make_current,
     .close = close_osmesa,
-    .proc = osmesa_proc,
 };
 
 // -- EGL ----------------------------------------------------------------------
 
 enum { MAX_DEVICES = 16 };
 
-/* X(name without "egl"); the extensions' functions come by GetProcAddress. */
+/* X(name without "egl"); those of extensions come by GetProcAddress, and may be
+ * NULL. */
 // clang-format off
 #define EGL_FUNCTIONS(X)                                                      \
     X(BindAPI) X(ChooseConfig) X(CreateContext) X(DestroyContext)             \
     X(GetProcAddress) X(Initialize) X(MakeCurrent) X(QueryString)
+#define EGL_EXTENSION_FUNCTIONS(X)                                            \
+    X(GetPlatformDisplayEXT) X(QueryDevicesEXT) X(QueryDeviceStringEXT)
 // clang-format on
 
 struct egl {
 #define FIELD(name) __typeof__(egl##name) *(name);
     EGL_FUNCTIONS(FIELD)
+    EGL_EXTENSION_FUNCTIONS(FIELD)
 #undef FIELD
-    PFNEGLGETPLATFORMDISPLAYEXTPROC get_display;  // may be NULL
-    PFNEGLQUERYDEVICESEXTPROC query_devices;      // may be NULL
-    PFNEGLQUERYDEVICESTRINGEXTPROC device_string; // may be NULL
     EGLDisplay display;
     EGLContext context;
 };
@@ -169,7 +176,7 @@ static bool try_display(struct egl *e, EGLDisplay display)
 static gp_status find_display(const struct gp_log *log, struct egl *e)
 {
     const char *extensions = e->QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-    if (!e->get_display || !extensions)
+    if (!e->GetPlatformDisplayEXT || !extensions)
         return gp_fail_at(log, GP_ERR_GL, "layer.gl.egl",
                           "EGL: no platform extensions (needs EGL 1.5 or "
                           "EGL_EXT_platform_base); install the Debian package "
@@ -181,19 +188,19 @@ static gp_status find_display(const struct gp_log *log, struct egl *e)
     if (!has(extensions, "EGL_EXT_platform_device") ||
         !(has(extensions, "EGL_EXT_device_base") ||
           has(extensions, "EGL_EXT_device_enumeration")) ||
-        !e->query_devices || !e->device_string ||
-        !e->query_devices(MAX_DEVICES, device, &devices))
+        !e->QueryDevicesEXT || !e->QueryDeviceStringEXT ||
+        !e->QueryDevicesEXT(MAX_DEVICES, device, &devices))
         devices = 0;
     for (EGLint i = 0; i < devices; i++) {
-        const char *text = e->device_string(device[i], EGL_EXTENSIONS);
+        const char *text = e->QueryDeviceStringEXT(device[i], EGL_EXTENSIONS);
         if (text && !has(text, "EGL_MESA_device_software") &&
-            try_display(
-                e, e->get_display(EGL_PLATFORM_DEVICE_EXT, device[i], NULL)))
+            try_display(e, e->GetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT,
+                                                    device[i], NULL)))
             return GP_OK;
     }
     if (has(extensions, "EGL_MESA_platform_surfaceless") &&
-        try_display(e, e->get_display(EGL_PLATFORM_SURFACELESS_MESA,
-                                      EGL_DEFAULT_DISPLAY, NULL)))
+        try_display(e, e->GetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA,
+                                                EGL_DEFAULT_DISPLAY, NULL)))
         return GP_OK;
     return gp_fail_at(log, GP_ERR_GL, "layer.gl.egl",
                       "EGL: cannot make a context, neither on a GPU device nor "
@@ -210,10 +217,11 @@ static void close_egl(void *window)
 }
 
 static gp_status open_egl(const struct gp_log *log, void *library,
-                          void **window)
+                          struct gp_gl *gl)
 {
     struct egl *e;
     gp_status st = gp_alloc_zero(log, "EGL context", 1, sizeof *e, &e);
+    gl->window = e;
     if (st)
         return st;
 #define LOAD(name)                                                            \
@@ -224,17 +232,13 @@ static gp_status open_egl(const struct gp_log *log, void *library,
                           "packages libegl1 and libegl-mesa0"));
     EGL_FUNCTIONS(LOAD)
 #undef LOAD
-    e->get_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC) e->GetProcAddress(
-        "eglGetPlatformDisplayEXT");
-    e->query_devices =
-        (PFNEGLQUERYDEVICESEXTPROC) e->GetProcAddress("eglQueryDevicesEXT");
-    e->device_string = (PFNEGLQUERYDEVICESTRINGEXTPROC) e->GetProcAddress(
-        "eglQueryDeviceStringEXT");
-    GP_TRY(find_display(log, e));
-    *window = e;
-    return GP_OK;
+#define FIND(name) \
+    e->name = (__typeof__(egl##name) *) e->GetProcAddress("egl" #name);
+    EGL_EXTENSION_FUNCTIONS(FIND)
+#undef FIND
+    gl->proc = e->GetProcAddress;
+    st = find_display(log, e);
 out:
-    close_egl(e);
     return st;
 }
 
@@ -246,20 +250,13 @@ static bool egl_make_current(void *window, bool on)
                           on ? e->context : EGL_NO_CONTEXT);
 }
 
-static void (*egl_proc(void *window, const char *name))(void)
-{
-    struct egl *e = window;
-    return e->GetProcAddress(name);
-}
-
-const struct gp_gl_system gp_gl_egl = {
+static const struct gp_gl_system by_egl = {
     .name = "EGL",
     .package = "libegl1 (and libegl-mesa0)",
     .file = (const char *const[]) {"libEGL.so.1", "libEGL.so", NULL},
     .open = open_egl,
     .make_current = egl_make_current,
     .close = close_egl,
-    .proc = egl_proc,
 };
 
 enum { LINE_BYTES = 512 }; // of a message
@@ -271,8 +268,7 @@ static gp_status open_library(const struct gp_log *log,
                               const struct gp_gl_system *system, void **out)
 {
     const struct gp_env *const env = gp_env();
-    const char *const forced =
-        system == &gp_gl_osmesa ? env->osmesa : env->egl;
+    const char *const forced = system == &by_osmesa ? env->osmesa : env->egl;
     const char *const only[] = {forced, NULL};
     const char *const *list = forced ? only : system->file;
     char why[256] = "no reason given";
@@ -323,8 +319,7 @@ gp_status gp_gl_use(const struct gp_log *log, const struct gp_gl *gl)
 /* Refuses a GL under 4.5 or of no version; sets the name in messages. */
 static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
 {
-    PFNGLGETSTRINGPROC get =
-        (PFNGLGETSTRINGPROC) gl->system->proc(gl->window, "glGetString");
+    PFNGLGETSTRINGPROC get = (PFNGLGETSTRINGPROC) gl->proc("glGetString");
     if (!get)
         return gp_fail_at(log, GP_ERR_GL, "layer.engine",
                           "%s: glGetString is missing; install a complete "
@@ -371,16 +366,15 @@ static gp_status open_system(const struct gp_log *log,
     void *library;
     gl->system = system;
     GP_TRY(open_library(log, system, &library));
-    GP_TRY(system->open(log, library, &gl->window));
+    GP_TRY(system->open(log, library, gl));
     GP_TRY(gp_gl_use(log, gl));
     GP_TRY(check_version(log, gl));
-#define LOAD(function)                                                         \
-    gl->f.function =                                                           \
-        (__typeof__(gl##function) *) system->proc(gl->window, "gl" #function); \
-    if (!gl->f.function)                                                       \
-        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.engine",                      \
-                          "%s: gl" #function " is missing; install a newer "   \
-                          "Mesa or driver",                                    \
+#define LOAD(function)                                                       \
+    gl->f.function = (__typeof__(gl##function) *) gl->proc("gl" #function);  \
+    if (!gl->f.function)                                                     \
+        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.engine",                    \
+                          "%s: gl" #function " is missing; install a newer " \
+                          "Mesa or driver",                                  \
                           gl->info.name));
     GP_GL_FUNCTIONS(LOAD)
 #undef LOAD
@@ -419,7 +413,7 @@ static void keep_line(void *user, const struct gp_line *line)
 gp_status gp_gl_open(const struct gp_log *log, enum gp_gl_api api,
                      struct gp_gl **out)
 {
-    const struct gp_gl_system *const systems[] = {&gp_gl_osmesa, &gp_gl_egl};
+    const struct gp_gl_system *const systems[] = {&by_osmesa, &by_egl};
     char why[2][LINE_BYTES] = {"", ""};
     if (api != GP_GL_AUTO)
         return open_system(log, systems[api == GP_GL_EGL], out);

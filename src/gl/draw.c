@@ -113,21 +113,15 @@ void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
 }
 
 void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
-                    int attachment, struct gp_rect rect, float *rgba)
+                    int attachment, struct gp_rect rect, float *out)
 {
+    const bool depth = attachment == GP_DEPTH_ATTACHMENT;
     gl->f.BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
-    gl->f.NamedFramebufferReadBuffer(t->framebuffer,
-        GL_COLOR_ATTACHMENT0 + (GLenum) attachment);
+    if (!depth)
+        gl->f.NamedFramebufferReadBuffer(
+            t->framebuffer, GL_COLOR_ATTACHMENT0 + (GLenum) attachment);
     gl->f.ReadPixels(rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect),
-                     GL_RGBA, GL_FLOAT, rgba);
-}
-
-void gp_target_read_depth(const struct gp_gl *gl, const struct gp_target *t,
-                          struct gp_rect rect, float *depth)
-{
-    gl->f.BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
-    gl->f.ReadPixels(rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect),
-                     GL_DEPTH_COMPONENT, GL_FLOAT, depth);
+                     depth ? GL_DEPTH_COMPONENT : GL_RGBA, GL_FLOAT, out);
 }
 
 void gp_target_free(const struct gp_gl *gl, struct gp_target *t)
@@ -204,9 +198,8 @@ static gp_status compile(const struct gp_log *log, const struct gp_gl *gl,
                          const char *defines, GLenum kind,
                          const struct gp_shader_file *file, GLuint *out)
 {
-    const struct gp_shader_file *common = find_file("common.glsl");
     const char *const texts[] = {"#version 450 core\n", defines,
-                                 common ? common->text : "", "\n#line 1\n",
+                                 find_file("common.glsl")->text, "\n#line 1\n",
                                  file->text};
     GLuint shader = gl->f.CreateShader(kind);
     GLint compiled = 0;

@@ -121,13 +121,11 @@ void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
                      struct gp_rect rect);
 
 /* Waits for the drawing, then copies `rect` of an attachment, which is
- * inside the target, to rgba: 4 * w * h floats, rows packed. */
+ * inside the target, to `out`: 4 * w * h floats, rows packed; of
+ * GP_DEPTH_ATTACHMENT w * h. */
+enum { GP_DEPTH_ATTACHMENT = -1 };
 void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
-                    int attachment, struct gp_rect rect, float *rgba);
-
-/* The same of its depth: w * h floats. */
-void gp_target_read_depth(const struct gp_gl *gl, const struct gp_target *t,
-                          struct gp_rect rect, float *depth);
+                    int attachment, struct gp_rect rect, float *out);
 void gp_target_free(const struct gp_gl *gl, struct gp_target *t);
 
 /* -- buffers that shaders read by index ------------------------------------ */

@@ -8,23 +8,6 @@
 #define GL_GLEXT_PROTOTYPES // for their types: nothing is linked
 #include <GL/glcorearb.h>
 
-/* A library that gives headless contexts. `file` lists its names, NULL ends, unless
- * gp_env() has another; `package` is Debian's. */
-struct gp_gl_system {
-    const char *name, *package;
-    const char *const *file;
-
-    /* Makes a context, 4.5 core where that can be had, else of any version
-     * so that the caller can say which one was found. Not yet current.
-     * *window is the system's own, and freed by close(). */
-    gp_status (*open)(const struct gp_log *log, void *library, void **window);
-    // or no context at all; false: the system refused
-    bool (*make_current)(void *window, bool on);
-    void (*close)(void *window); // it is not current then
-    void (*(*proc)(void *window, const char *name))(void);
-};
-extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
-
 /* The GL functions that this program calls: one list makes the table, and
  * context.c fills it by walking the same list. X(name without "gl") */
 // clang-format off
@@ -57,7 +40,8 @@ struct gp_gl_functions {
 
 struct gp_gl {
     const struct gp_gl_system *system;
-    void *window;
+    void *window; // the system's own
+    void (*(*proc)(const char *name))(void);
     struct gp_gl_functions f;
     GLuint vertex_array; // core profile draws nothing without one
     GLuint query;        // of gp_count_begin(); 0: the driver counts nothing

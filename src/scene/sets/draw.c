@@ -607,7 +607,7 @@ void gp_drawing_clear(struct gp_drawing *d, struct glarepp_sets_row *counts)
 void gp_drawing_depth(struct gp_drawing *d, float *z)
 {
     const float near = (float) d->p.near;
-    gp_target_read_depth(d->gl, &d->picture, d->all, z);
+    gp_target_read(d->gl, &d->picture, GP_DEPTH_ATTACHMENT, d->all, z);
     for (size_t i = 0; i < gp_rect_pixels(d->all); i++)
         z[i] = z[i] > 0.0f ? near / z[i] : INFINITY;
 }

@@ -97,13 +97,14 @@ static void nearer_or_as_near_is_drawn(void **state)
     float depth[PIXELS];
     draw(1, (struct gp_draw) {.depth = GP_DEPTH_WRITE}); // 0.25: farther
     draw(0, (struct gp_draw) {.depth = GP_DEPTH_READ});  // nearer: drawn
-    gp_target_read_depth(gl, &target, all, depth);
+    gp_target_read(gl, &target, GP_DEPTH_ATTACHMENT, all, depth);
     for (int i = 0; i < PIXELS; i++) // but not kept
         assert_true(depth[i] == 0.25f);
     draw(0, (struct gp_draw) {.depth = GP_DEPTH_WRITE});
     draw(0, (struct gp_draw) {.depth = GP_DEPTH_READ}); // as near
     draw(1, (struct gp_draw) {.depth = GP_DEPTH_WRITE}); // behind: not drawn
-    gp_target_read_depth(gl, &target, (struct gp_rect) {2, 1, 5, 3}, depth);
+    gp_target_read(gl, &target, GP_DEPTH_ATTACHMENT,
+                   (struct gp_rect) {2, 1, 5, 3}, depth);
     for (int i = 0; i < 6; i++)
         assert_true(depth[i] == 0.5f);
     assert_true(sum_of_red() == 4.0f * PIXELS);
@@ -115,7 +116,8 @@ static void nearer_or_as_near_is_drawn(void **state)
     draw(1, (struct gp_draw) {0}); // no test: as ever
     assert_true(sum_of_red() == 6.0f * PIXELS);
     gp_target_clear(gl, &target, (struct gp_rect) {0, 0, SIDE, 1});
-    gp_target_read_depth(gl, &target, (struct gp_rect) {0, 0, 1, 2}, depth);
+    gp_target_read(gl, &target, GP_DEPTH_ATTACHMENT,
+                   (struct gp_rect) {0, 0, 1, 2}, depth);
     assert_true(depth[0] == 0.0f);
     assert_true(depth[1] == 0.5f);
 }
@@ -125,7 +127,7 @@ static void depth_is_that_of_the_plane(void **state)
 {
     float depth[PIXELS];
     draw(2, (struct gp_draw) {.depth = GP_DEPTH_WRITE});
-    gp_target_read_depth(gl, &target, all, depth);
+    gp_target_read(gl, &target, GP_DEPTH_ATTACHMENT, all, depth);
     for (int i = 0; i < PIXELS; i++)
         assert_float_equal(depth[i], ((float) (i % SIDE) + 0.5f) / SIDE, 1e-6);
 }
