@@ -110,10 +110,20 @@ static double least_radius(const struct gp_flare_element *e)
     return has_rays(e) ? 1.5 : 0.5 * corner_of(e);
 }
 
-/* The radius of a channel, in pixels. */
-static double radius_of(const struct gp_flare_look *l, int c)
+/* The radius of a channel, over that of the element, in pixels. */
+static double size_of(const struct gp_flare_element *e, double radius, int c)
 {
-    return fmax(l->radius * (double) l->e.scale[c], least_radius(&l->e));
+    return fmax(radius * (double) e->scale[c], least_radius(e)) / radius;
+}
+
+/* That of the light which reaches furthest. */
+static double largest_size(const struct gp_flare_element *e, double radius)
+{
+    const double far = e->dispersion > 0.0 ? GP_NM_TO : GP_NM_FROM;
+    const double most =
+        fmax(size_of(e, radius, 0),
+             fmax(size_of(e, radius, 1), size_of(e, radius, 2)));
+    return most * (1.0 + e->dispersion * (far - 550.0) / 300.0);
 }
 
 /* Notes the hard edges of round shapes in t. */
@@ -125,12 +135,13 @@ static void find_edges(struct gp_flare_look *l)
         has_rays(e) || e->shape == GP_FLARE_GLOW || e->shape == GP_FLARE_DIRT)
         return;
     for (int c = 0; c < 3; c++) {
-        const double r = radius_of(l, c), hole = ring ? hole_of(e, r) : 0.0;
+        const double size = size_of(e, l->radius, c);
+        const double hole = ring ? hole_of(e, size * l->radius) : 0.0;
         if (c > 0 && e->scale[c] == e->scale[c - 1])
             continue;
-        l->edge[l->edges++] = (float) (r / l->radius);
+        l->edge[l->edges++] = (float) size;
         if (hole > 0.0)
-            l->edge[l->edges++] = (float) (hole * r / l->radius);
+            l->edge[l->edges++] = (float) (hole * size);
     }
 }
 
@@ -142,17 +153,13 @@ static gp_status make_table(const struct gp_log *log, struct gp_flare_look *l)
     const int bands = spread ? BANDS : 1;
     const double thin = fmin(1.0, e->aspect);
     double nm[BANDS] = {550.0}, rgb[BANDS][3] = {{1.0, 1.0, 1.0}};
-    double size[3], most = 0.0, value = 0.0;
+    double size[3], value = 0.0;
     if (spread)
         gp_spectrum_weights(gp_rec709_chromaticities, BANDS, nm, rgb);
-    for (int c = 0; c < 3; c++) {
-        size[c] = radius_of(l, c) / l->radius;
-        most = fmax(most, size[c]);
-    }
+    for (int c = 0; c < 3; c++)
+        size[c] = size_of(e, l->radius, c);
     // edges reach half a pixel beyond
-    const double far = e->dispersion > 0.0 ? GP_NM_TO : GP_NM_FROM;
-    const double largest = 1.0 + e->dispersion * (far - 550.0) / 300.0;
-    l->extent = most * largest + steepness(e) / (l->radius * thin);
+    l->extent = largest_size(e, l->radius) + steepness(e) / (l->radius * thin);
     l->n = gp_max(2048, (int) fmin(4.0 * l->extent * l->radius, 65536.0));
     l->per_t = l->n / l->extent;
     gp_status st = gp_alloc_zero(log, "a flare element's profile",
@@ -343,26 +350,15 @@ void gp_flare_look_free(struct gp_flare_look *l)
 
 double gp_flare_look_reach(const struct gp_flare_element *e, double diameter)
 {
-    const double least = least_radius(e), r = fmax(0.5 * diameter, least);
+    const double r = fmax(0.5 * diameter, least_radius(e));
     const bool rays = has_rays(e);
-    const double scale = (double) fmaxf(e->scale[0], fmaxf(e->scale[1],
-                                                           e->scale[2]));
-    const double far = e->dispersion > 0.0 ? GP_NM_TO : GP_NM_FROM;
-    const double along = fmax(r * scale, least) *
-                         (1.0 + e->dispersion * (far - 550.0) / 300.0) *
-                         (rays ? 1.0 : fmax(e->aspect, 1.0));
+    const double along =
+        r * largest_size(e, r) * (rays ? 1.0 : fmax(e->aspect, 1.0));
     return along + 1.0 + steepness(e) / fmin(1.0, e->aspect) +
            (rays ? 3.0 * fmax(r * e->width, 0.5) + 3.0 : 0.0);
 }
 
 // -- rows of images -----------------------------------------------------------
-
-static float texel(const struct gp_flare_image *m, int c, int x, int y)
-{
-    return x < 0 || y < 0 || x >= m->w || y >= m->h
-               ? 0.0f
-               : m->rgb.c[c][(size_t) y * (size_t) m->w + (size_t) x];
-}
 
 static float blend(float a, float b, float t)
 {
@@ -379,9 +375,10 @@ static int clamp_texel(float v, int size)
 static float mix(const struct gp_flare_image *m, int c, int x, int y,
                  float right, float below)
 {
-    return blend(blend(texel(m, c, x, y), texel(m, c, x + 1, y), right),
-                 blend(texel(m, c, x, y + 1), texel(m, c, x + 1, y + 1), right),
-                 below);
+    float v[4];
+    for (int k = 0; k < 4; k++)
+        v[k] = gp_planes_at(&m->rgb, c, m->w, m->h, x + k % 2, y + k / 2);
+    return blend(blend(v[0], v[1], right), blend(v[2], v[3], right), below);
 }
 
 /* The same at a place in texels; 0 outside. */

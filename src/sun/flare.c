@@ -43,11 +43,9 @@ static gp_status halve(const struct gp_log *log,
         for (int y = 0; y < h; y++) {
             for (int x = 0; x < w; x++) {
                 float sum = 0.0f;
-                for (int j = 2 * y; j < in->h && j < 2 * y + 2; j++) {
-                    for (int i = 2 * x; i < in->w && i < 2 * x + 2; i++)
-                        sum += in->rgb.c[c][(size_t) j * (size_t) in->w +
-                                            (size_t) i];
-                }
+                for (int k = 0; k < 4; k++)
+                    sum += gp_planes_at(&in->rgb, c, in->w, in->h,
+                                        2 * x + k % 2, 2 * y + k / 2);
                 *to++ = 0.25f * sum;
             }
         }
