@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Maughan's texture masking on GL, and the paper's other method: drawing,
  * reading back, and the plain form on the CPU. */
-#include "sun/mask/mask_priv.h"
+#include "sun/mask/mask.h"
 
 #include "core/maths.h"
 #include "core/memory.h"
@@ -236,6 +236,18 @@ void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map *s)
     }
 }
 
+/* Lights to be measured on a context. */
+struct job {
+    const struct gp_log *log;
+    const struct gp_gl *gl;
+    const struct gp_occluders *o;
+    const struct glarepp_light_params *p;
+    struct gp_light *light;
+    int n;
+    struct gp_sun_map *s;
+    struct spot spot[GP_LIGHTS_MAX];
+};
+
 /* Rows of `wide` texels that the pixels of r fill, two a texel. */
 static double rows_of(struct gp_rect r, int wide)
 {
@@ -258,58 +270,57 @@ static void write_pixels(const struct gp_occluders *o, struct gp_rect r,
 
 /* Writes the pixels under the lights to s->pixels. Errors: GP_ERR_GL they do not
  * fit. */
-static gp_status upload(const struct gp_log *log, const struct gp_gl *gl,
-                        const struct gp_occluders *o, struct spot *spot, int n,
-                        struct gp_sun_map *s)
+static gp_status upload(struct job *j)
 {
     enum { EXACT_IN_FLOAT = 1 << 24 };
-    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
+    const struct gp_gl *const gl = j->gl;
+    struct gp_texture *const to = &j->s->pixels;
+    const int w = gp_rect_w(j->o->frame), h = gp_rect_h(j->o->frame);
     const int most = gp_gl_info(gl)->max_size;
-    int wide = gp_max(gp_min(most, NARROW), s->pixels.w) / 2;
+    int wide = gp_max(gp_min(most, NARROW), to->w) / 2;
     double rows;
     float *rgba = NULL;
     gp_status st;
     do {
         rows = 0.0;
         wide *= 2;
-        for (int i = 0; i < n; i++)
-            rows += rows_of(spot[i].box, wide);
+        for (int i = 0; i < j->n; i++)
+            rows += rows_of(j->spot[i].box, wide);
     } while (rows > most && 2 * wide <= most);
     if (w > EXACT_IN_FLOAT || h > EXACT_IN_FLOAT || rows > most)
-        return gp_fail_bare_at(log, GP_ERR_GL, "lights.method",
+        return gp_fail_bare_at(j->log, GP_ERR_GL, "lights.method",
                                "sun map: the pixels under %d lights in a frame "
                                "of %dx%d do not fit into a texture (the limit "
-                               "is %dx%d texels)", n, w, h, wide, most);
-    rows = fmax(rows, 1.0);
-    GP_TRY(gp_texture_make(log, gl, "pixels under the lights", GP_TEXEL_FLOAT,
-                           wide, (int) rows, &s->pixels));
-    GP_TRY(gp_alloc_zero(log, "pixels under the lights",
-                         (size_t) rows * (size_t) wide, 4 * sizeof *rgba,
-                         &rgba));
-    for (int i = 0, row = 0; i < n; i++) {
-        spot[i].row = row;
-        write_pixels(o, spot[i].box, rgba + 4 * (size_t) row * (size_t) wide);
-        row += (int) rows_of(spot[i].box, wide);
+                               "is %dx%d texels)",
+                               j->n, w, h, wide, most);
+    const struct gp_rect all = {0, 0, wide, (int) fmax(rows, 1.0)};
+    GP_TRY(gp_texture_make(j->log, gl, "pixels under the lights",
+                           GP_TEXEL_FLOAT, all.x1, all.y1, to));
+    GP_TRY(gp_alloc_zero(j->log, "pixels under the lights", gp_rect_pixels(all),
+                         4 * sizeof *rgba, &rgba));
+    for (int i = 0, row = 0; i < j->n; i++) {
+        struct spot *const l = &j->spot[i];
+        l->row = row;
+        write_pixels(j->o, l->box, rgba + 4 * (size_t) row * (size_t) wide);
+        row += (int) rows_of(l->box, wide);
     }
-    gp_texture_write(gl, &s->pixels, (struct gp_rect) {0, 0, wide, (int) rows},
-                     rgba);
+    gp_texture_write(gl, to, all, rgba);
 out:
     gp_free(rgba);
     return st;
 }
 
-/* Writes n lights. */
-static gp_status upload_lights(const struct gp_log *log, const struct gp_gl *gl,
-                               const struct spot *spot, int n,
-                               struct gp_texture *to)
+/* Writes the lights to s->lights. */
+static gp_status upload_lights(const struct job *j)
 {
     float row[GP_LIGHTS_MAX][4 * LIGHT_TEXELS] = {0};
-    const gp_status st =
-        gp_texture_make(log, gl, "lights", GP_TEXEL_FLOAT, LIGHT_TEXELS, n, to);
+    struct gp_texture *const to = &j->s->lights;
+    const gp_status st = gp_texture_make(
+        j->log, j->gl, "lights", GP_TEXEL_FLOAT, LIGHT_TEXELS, j->n, to);
     if (st)
         return st;
-    for (int i = 0; i < n; i++) {
-        const struct spot *const l = &spot[i];
+    for (int i = 0; i < j->n; i++) {
+        const struct spot *const l = &j->spot[i];
         const int whole[6] = {l->k, 0, l->box.x0, l->box.y0,
                               gp_rect_w(l->box), l->row};
         split_float(l->x, row[i]);
@@ -320,41 +331,40 @@ static gp_status upload_lights(const struct gp_log *log, const struct gp_gl *gl,
         row[i][7] = l->limit;
         memcpy(row[i] + 12, l->outside, sizeof l->outside);
     }
-    gp_texture_write(gl, to, (struct gp_rect) {0, 0, LIGHT_TEXELS, n}, row[0]);
+    gp_texture_write(j->gl, to, (struct gp_rect) {0, 0, LIGHT_TEXELS, j->n},
+                     row[0]);
     return GP_OK;
 }
 
 // -- texture masking ---------------------------------------------------------
 
-/* Step 3: the sun maps of n lights. */
-static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
-                           const struct gp_occluders *o,
-                           const struct glarepp_light_params *p, struct gp_rect cells,
-                           int n, struct gp_sun_map *s)
+/* Step 3: the sun maps. */
+static gp_status draw_maps(const struct job *j, struct gp_rect cells)
 {
     enum { MOST = 1 << 24 }; // texels of the atlas, 256 MiB
-    const int limit = gp_gl_info(gl)->max_size;
-    const int w = cells.x1 * p->side, h = cells.y1 * p->side;
+    struct gp_sun_map *const s = j->s;
+    const int limit = gp_gl_info(j->gl)->max_size, side = j->p->side;
+    const int w = cells.x1 * side, h = cells.y1 * side;
+    gp_status st;
     if (w > limit || h > limit || (long long) w * h > MOST)
-        return gp_fail_bare_at(log, GP_ERR_GL, "lights.side",
+        return gp_fail_bare_at(
+            j->log, GP_ERR_GL, "lights.side",
             "sun map: %d maps of %dx%d texels do not fit into a texture (the "
-            "limit is %d texels wide and high, and %d in all)", n, p->side,
-            p->side, limit, MOST);
-    gp_status st =
-        gp_target_make(log, gl, "sun maps", GP_TEXEL_FLOAT, 1, w, h, &s->atlas);
-    if (!st)
-        st = gp_program_make(log, gl, "", "sun_map.vert", "sun_map.frag",
-                             &s->draws_maps);
-    if (st)
-        return st;
+            "limit is %d texels wide and high, and %d in all)",
+            j->n, side, side, limit, MOST);
+    GP_TRY(gp_target_make(j->log, j->gl, "sun maps", GP_TEXEL_FLOAT, 1, w, h,
+                          &s->atlas));
+    GP_TRY(gp_program_make(j->log, j->gl, "", "sun_map.vert", "sun_map.frag",
+                           &s->draws_maps));
     const struct gp_uniform uniform[] = {
         {.name = "pixels", .texture = &s->pixels},
         {.name = "lights", .texture = &s->lights},
-        {.name = "frame", .v = {gp_rect_w(o->frame), gp_rect_h(o->frame)}},
+        {.name = "frame",
+         .v = {gp_rect_w(j->o->frame), gp_rect_h(j->o->frame)}},
         {.name = "size", .v = {s->atlas.w, s->atlas.h}},
         {.name = "light", .v = {0, 0}},
-        {.name = "map", .v = {p->side, cells.x1}},
-        {.name = "form", .v = {p->side, !p->square}},
+        {.name = "map", .v = {side, cells.x1}},
+        {.name = "form", .v = {side, !j->p->square}},
         {0},
     };
     const struct gp_draw maps = {
@@ -363,46 +373,44 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
         .cut = {0, 0, w, h},
         .uniform = uniform,
         .vertices = 6,
-        .instances = n,
+        .instances = j->n,
         .replace = true,
     };
-    return gp_draw_run(log, gl, &maps);
+    st = gp_draw_run(j->log, j->gl, &maps);
+out:
+    return st;
 }
 
 /* Step 4: the texels of each map, added up in a pixel. */
-static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
-                           const struct glarepp_light_params *p, struct gp_rect cells,
-                           struct gp_sun_map *s)
+static gp_status draw_sums(const struct job *j, struct gp_rect cells)
 {
+    const int side = j->p->side, bytes = j->p->bytes;
     // in 8 bits 256 points at most, each of four texels or more
-    const int points =
-        p->bytes && p->side > POINTS ? gp_min(p->side / 2, POINTS) : p->side;
+    const int points = bytes && side > POINTS ? gp_min(side / 2, POINTS) : side;
     const int count = points * points;
-    struct gp_target *const to = &s->sums[p->bytes];
-    gp_status st = gp_target_make(log, gl, "intensity map",
-                                  p->bytes ? GP_TEXEL_BYTE : GP_TEXEL_FLOAT, 1,
-                                  cells.x1, cells.y1, to);
-    if (!st)
-        st = gp_program_make(log, gl, p->bytes ? "#define BYTE\n" : "",
-                             "sun_point.vert", "sun_point.frag",
-                             &s->adds_up[p->bytes]);
-    if (st)
-        return st;
+    struct gp_target *const to = &j->s->sums[bytes];
+    gp_status st;
+    GP_TRY(gp_target_make(j->log, j->gl, "intensity map",
+                          bytes ? GP_TEXEL_BYTE : GP_TEXEL_FLOAT, 1, cells.x1,
+                          cells.y1, to));
+    GP_TRY(gp_program_make(j->log, j->gl, bytes ? "#define BYTE\n" : "",
+                           "sun_point.vert", "sun_point.frag",
+                           &j->s->adds_up[bytes]));
     struct gp_uniform uniform[] = {
-        {.name = "atlas", .texture = &s->atlas.colour},
-        {.name = "map", .v = {p->side, points}},
+        {.name = "atlas", .texture = &j->s->atlas.colour},
+        {.name = "map", .v = {side, points}},
         {0},
         {0},
     };
     // the paper's 1 / 255 is for 256 points; fewer make whole steps of it, no more
-    if (p->bytes)
+    if (bytes)
         uniform[2] = (struct gp_uniform) {
             .name = "scale",
             .floats = 1,
             .f = {(float) (256 / count) / 255.0f},
         };
     const struct gp_draw sums = {
-        .program = &s->adds_up[p->bytes],
+        .program = &j->s->adds_up[bytes],
         .target = to,
         .cut = cells,
         .view = cells,
@@ -410,29 +418,28 @@ static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
         .vertices = 3,
         .instances = count,
     };
-    gp_target_clear(gl, to, cells);
-    return gp_draw_run(log, gl, &sums);
+    gp_target_clear(j->gl, to, cells);
+    st = gp_draw_run(j->log, j->gl, &sums);
+out:
+    return st;
 }
 
 /* Both steps, read at once. */
-static gp_status by_maps(const struct gp_log *log, const struct gp_gl *gl,
-                         const struct gp_occluders *o,
-                         const struct glarepp_light_params *p,
-                         struct gp_light *light, int n, struct gp_sun_map *s)
+static gp_status by_maps(const struct job *j)
 {
-    const int columns = (int) ceil(sqrt((double) n)); // maps in the atlas
-    const struct gp_rect cells = {0, 0, columns, (n + columns - 1) / columns};
+    const int columns = (int) ceil(sqrt((double) j->n)); // maps in the atlas
+    const struct gp_rect cells = {0, 0, columns,
+                                  (j->n + columns - 1) / columns};
     float sum[GP_LIGHTS_MAX][4];
     gp_status st;
-    GP_TRY(draw_maps(log, gl, o, p, cells, n, s));
-    GP_TRY(draw_sums(log, gl, p, cells, s));
-    GP_TRY(gp_gl_check(log, gl, "sun map"));
-    gp_target_read(gl, &s->sums[p->bytes], 0, cells, sum[0]);
-    GP_TRY(gp_gl_check(log, gl, "sun map"));
-    for (int i = 0; i < n; i++) { // with the rests of sums in float
+    GP_TRY(draw_maps(j, cells));
+    GP_TRY(draw_sums(j, cells));
+    gp_target_read(j->gl, &j->s->sums[j->p->bytes], 0, cells, sum[0]);
+    GP_TRY(gp_gl_check(j->log, j->gl, "sun map"));
+    for (int i = 0; i < j->n; i++) { // with the rests of sums in float
         const double shown = (double) sum[i][0] + (double) sum[i][2];
         const double weight = (double) sum[i][1] + (double) sum[i][3];
-        light[i].visibility = weight > 0.0 ? fmin(shown / weight, 1.0) : 0.0;
+        j->light[i].visibility = weight > 0.0 ? fmin(shown / weight, 1.0) : 0.0;
     }
 out:
     return st;
@@ -492,52 +499,48 @@ static double count_region(const struct spot *l, const struct gp_occluders *o,
 }
 
 /* Draws and reads the region under each light. */
-static gp_status by_regions(const struct gp_log *log, const struct gp_gl *gl,
-                            const struct gp_occluders *o,
-                            const struct glarepp_light_params *p,
-                            const struct spot *spot, struct gp_light *light,
-                            int n, struct gp_sun_map *s)
+static gp_status by_regions(const struct job *j)
 {
+    struct gp_sun_map *const s = j->s;
     float *rgba = NULL;
-    gp_status st = gp_program_make(log, gl, "#define PIXELS\n", "sun_map.vert",
-                                   "sun_map.frag", &s->draws_pixels);
-    if (st)
-        return st;
-    for (int i = 0; i < n; i++) {
-        const struct gp_rect box = spot[i].box;
-        const int w = gp_rect_w(box), h = gp_rect_h(box);
+    gp_status st;
+    GP_TRY(gp_program_make(j->log, j->gl, "#define PIXELS\n", "sun_map.vert",
+                           "sun_map.frag", &s->draws_pixels));
+    for (int i = 0; i < j->n; i++) {
+        const struct spot *const l = &j->spot[i];
+        const struct gp_rect all = {0, 0, gp_rect_w(l->box), gp_rect_h(l->box)};
         const struct gp_uniform uniform[] = {
             {.name = "pixels", .texture = &s->pixels},
             {.name = "lights", .texture = &s->lights},
-            {.name = "size", .v = {w, h}},
+            {.name = "size", .v = {all.x1, all.y1}},
             {.name = "light", .v = {i, 0}},
-            {.name = "map", .v = {gp_max(w, h), 1}},
+            {.name = "map", .v = {gp_max(all.x1, all.y1), 1}},
             {0},
         };
         const struct gp_draw draw = {
             .program = &s->draws_pixels,
             .target = &s->region,
-            .cut = {0, 0, w, h},
-            .view = {0, 0, w, h},
+            .cut = all,
+            .view = all,
             .uniform = uniform,
             .vertices = 6,
             .instances = 1,
             .replace = true,
         };
-        if (spot[i].k && w && h) { // drawn, and waited for
-            GP_TRY(gp_target_make(log, gl, "region under a light",
-                                  GP_TEXEL_FLOAT, 1, w, h, &s->region));
-            GP_TRY(gp_draw_run(log, gl, &draw));
-            GP_TRY(gp_alloc(log, "region under a light",
-                            (size_t) w * (size_t) h, 4 * sizeof(float), &rgba));
-            gp_target_read(gl, &s->region, 0, (struct gp_rect) {0, 0, w, h},
-                           rgba);
+        if (l->k && !gp_rect_empty(all)) { // drawn, and waited for
+            GP_TRY(gp_target_make(j->log, j->gl, "region under a light",
+                                  GP_TEXEL_FLOAT, 1, all.x1, all.y1,
+                                  &s->region));
+            GP_TRY(gp_draw_run(j->log, j->gl, &draw));
+            GP_TRY(gp_alloc(j->log, "region under a light", gp_rect_pixels(all),
+                            4 * sizeof(float), &rgba));
+            gp_target_read(j->gl, &s->region, 0, all, rgba);
         }
-        light[i].visibility = spot[i].k ? count_region(&spot[i], o, p, rgba)
-                                        : (double) spot[i].outside[0];
+        j->light[i].visibility =
+            l->k ? count_region(l, j->o, j->p, rgba) : (double) l->outside[0];
         GP_FREE(rgba);
     }
-    GP_TRY(gp_gl_check(log, gl, "sun readback"));
+    st = gp_gl_check(j->log, j->gl, "sun readback");
 out:
     gp_free(rgba);
     return st;
@@ -548,15 +551,14 @@ gp_status gp_sun_by_gl(const struct gp_log *log, const struct gp_gl *gl,
                        const struct glarepp_light_params *p,
                        struct gp_light *light, int n, struct gp_sun_map *s)
 {
-    struct spot spot[GP_LIGHTS_MAX];
+    struct job j = {
+        .log = log, .gl = gl, .o = o, .p = p, .light = light, .n = n, .s = s};
     gp_status st;
     for (int i = 0; i < n; i++)
-        spot[i] = spot_of(o, p, &light[i]);
-    GP_TRY(upload(log, gl, o, spot, n, s));
-    GP_TRY(upload_lights(log, gl, spot, n, &s->lights));
-    st = p->method == GLAREPP_READBACK
-             ? by_regions(log, gl, o, p, spot, light, n, s)
-             : by_maps(log, gl, o, p, light, n, s);
+        j.spot[i] = spot_of(o, p, &light[i]);
+    GP_TRY(upload(&j));
+    GP_TRY(upload_lights(&j));
+    st = p->method == GLAREPP_READBACK ? by_regions(&j) : by_maps(&j);
 out:
     return st;
 }
