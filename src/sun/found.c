@@ -45,57 +45,38 @@ struct finding {
 
 // -- blobs --------------------------------------------------------------------
 
-/* Notes how bright the sources are. */
-static gp_status weigh(const struct gp_log *log, struct finding *d)
+/* Lists the runs of what is left of at least `level`. */
+static gp_status list_runs(const struct gp_log *log, struct finding *d,
+                           float level)
 {
     const struct gp_sources *const s = d->src;
-    const float w0 = s->luminance[0], w1 = s->luminance[1],
-                w2 = s->luminance[2];
-    gp_status st;
-    GP_TRY(gp_alloc(log, "bright pixels", s->n, sizeof *d->bright, &d->bright));
-    GP_TRY(gp_alloc(log, "runs of bright pixels", (size_t) s->h + 1,
-                    sizeof *d->row, &d->row));
-    for (size_t i = 0; i < s->n; i++)
-        d->bright[i] =
-            w0 * s->rgb[0][i] + w1 * s->rgb[1][i] + w2 * s->rgb[2][i];
-out:
-    return st;
-}
-
-/* Lists the runs of sources of at least `level`, to `out` if there is one.
- * Returns how many. */
-static uint32_t list_runs(const struct finding *d, float level, struct run *out)
-{
-    const struct gp_sources *const s = d->src;
-    uint32_t n = 0;
-    for (int y = 0; y < s->h; y++) {
-        bool open = false;
-        d->row[y] = n;
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-            const bool bright = d->bright[i] >= level;
-            const bool first = bright && !(open && s->x[i] == s->x[i - 1] + 1);
-            n += first;
-            if (out && first)
-                out[n - 1] = (struct run) {s->x[i], s->x[i], y, n - 1, i};
-            if (out && bright)
-                out[n - 1].x1++;
-            open = bright;
-        }
-    }
-    d->row[s->h] = n;
-    return n;
-}
-
-/* Goes on to the runs of what is left of at least `level`. */
-static gp_status rise(const struct gp_log *log, struct finding *d, float level)
-{
+    gp_status st = GP_OK;
     GP_FREE(d->run);
     GP_FREE(d->blob);
-    const gp_status st = gp_alloc(log, "runs of bright pixels",
-                                  (size_t) list_runs(d, level, NULL) + 1,
-                                  sizeof *d->run, &d->run);
-    if (!st)
-        (void) list_runs(d, level, d->run);
+    for (int pass = 0; pass < 2 && !st;
+         pass++) { // counts them, then lists them
+        uint32_t n = 0;
+        for (int y = 0; y < s->h; y++) {
+            bool open = false;
+            d->row[y] = n;
+            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+                const bool bright = d->bright[i] >= level;
+                const bool first =
+                    bright && !(open && s->x[i] == s->x[i - 1] + 1);
+                n += first;
+                if (pass && first)
+                    d->run[n - 1] =
+                        (struct run) {s->x[i], s->x[i], y, n - 1, i};
+                if (pass && bright)
+                    d->run[n - 1].x1++;
+                open = bright;
+            }
+        }
+        d->row[s->h] = n;
+        if (!pass)
+            st = gp_alloc(log, "runs of bright pixels", (size_t) n + 1,
+                          sizeof *d->run, &d->run);
+    }
     return st;
 }
 
@@ -180,20 +161,6 @@ static gp_status list_blobs(const struct gp_log *log, struct finding *d)
 /* Kinds of pixels around a blob. */
 enum { FAR, GROUND, OTHER, OWN };
 
-/* Returns the first run of row y that ends after x. */
-static uint32_t first_run(const struct finding *d, int y, int x)
-{
-    uint32_t low = d->row[y], high = d->row[y + 1];
-    while (low < high) {
-        const uint32_t k = low + (high - low) / 2;
-        if (d->run[k].x1 > x)
-            high = k;
-        else
-            low = k + 1;
-    }
-    return low;
-}
-
 /* Marks those pixels of `area` that are up to some way from the blob's sources, or
  * from others', in turn. */
 static void mark(struct finding *d, const struct blob *b, struct gp_rect area,
@@ -217,13 +184,13 @@ static void mark(struct finding *d, const struct blob *b, struct gp_rect area,
         for (int y = gp_max(area.y0 - reach, 0); y < last; y++) {
             const int y0 = gp_max(y - reach, area.y0) - area.y0;
             const int y1 = gp_min(y + reach + 1, area.y1) - area.y0;
-            for (uint32_t k = first_run(d, y, area.x0 - reach);
+            for (uint32_t k = d->row[y];
                  k < d->row[y + 1] && d->run[k].x0 - reach < area.x1; k++) {
                 const struct run *const r = &d->run[k];
                 const int x0 = gp_max(r->x0 - reach, area.x0) - area.x0;
                 const int x1 = gp_min(r->x1 + reach, area.x1) - area.x0;
-                for (int v = y0; v < y1 && (r->root == b->root) == turn[i].own;
-                     v++)
+                const bool own = r->root == b->root;
+                for (int v = y0; v < y1 && x0 < x1 && own == turn[i].own; v++)
                     memset(at + v * w + x0, turn[i].as, (size_t) (x1 - x0));
             }
         }
@@ -325,24 +292,12 @@ static double luminance_of(const struct gp_light *l, const float weight[3])
            (double) weight[2] * (double) l->flux[2];
 }
 
-/* Sorts lights by falling flux; of equal ones the first stays first. */
-static void sort_lights(struct gp_light *light, int n, const float weight[3])
-{
-    for (int i = 1; i < n; i++) {
-        const struct gp_light l = light[i];
-        int k = i;
-        for (; k > 0 &&
-               luminance_of(&light[k - 1], weight) < luminance_of(&l, weight);
-             k--)
-            light[k] = light[k - 1];
-        light[k] = l;
-    }
-}
-
-/* Adds the lights among the blobs to a list that has room for them. */
+/* Adds the lights among the blobs to a list that has room for them, by falling flux;
+ * of equal ones the first stays first. */
 static gp_status measure_all(const struct gp_log *log, struct finding *d,
                              bool part, struct gp_light *light, int *n)
 {
+    const float *const weight = d->src->luminance;
     unsigned char *at;
     size_t room = 1;
     for (int i = 0; i < d->blobs; i++) {
@@ -353,10 +308,18 @@ static gp_status measure_all(const struct gp_log *log, struct finding *d,
         room = area > room ? area : room;
     }
     const gp_status st = gp_alloc(log, "blobs", room, 1, &at);
-    for (int i = 0; i < d->blobs && !st; i++)
-        *n += measure(d, &d->best[i], part, at, &light[*n]);
+    for (int i = 0; i < d->blobs && !st; i++) {
+        struct gp_light l;
+        if (!measure(d, &d->best[i], part, at, &l))
+            continue;
+        int k = (*n)++;
+        for (; k > 0 &&
+               luminance_of(&light[k - 1], weight) < luminance_of(&l, weight);
+             k--)
+            light[k] = light[k - 1];
+        light[k] = l;
+    }
     gp_free(at);
-    sort_lights(light, *n, d->src->luminance);
     *n = gp_min(*n, GP_FOUND_MOST);
     return st;
 }
@@ -365,6 +328,7 @@ gp_status gp_lights_find(const struct gp_log *log, const struct gp_sources *src,
                          const struct gp_image *f, struct gp_light **out,
                          int *n, bool *wide)
 {
+    const float *const weight = src->luminance;
     struct finding d = {.src = src, .f = f};
     struct gp_light *light = NULL;
     float level = src->threshold, from = -INFINITY;
@@ -374,9 +338,14 @@ gp_status gp_lights_find(const struct gp_log *log, const struct gp_sources *src,
     *out = NULL;
     GP_TRY(gp_alloc(log, "lights", 2 * (size_t) GP_FOUND_MOST, sizeof *light,
                     &light));
-    GP_TRY(weigh(log, &d));
+    GP_TRY(gp_alloc(log, "bright pixels", src->n, sizeof *d.bright, &d.bright));
+    GP_TRY(gp_alloc(log, "runs of bright pixels", (size_t) src->h + 1,
+                    sizeof *d.row, &d.row));
+    for (size_t i = 0; i < src->n; i++)
+        d.bright[i] = weight[0] * src->rgb[0][i] + weight[1] * src->rgb[1][i] +
+                      weight[2] * src->rgb[2][i];
     for (;; from = level = fmaxf(4.0f * level, FLT_MIN)) {
-        GP_TRY(rise(log, &d, from));
+        GP_TRY(list_runs(log, &d, from));
         join_runs(&d);
         GP_TRY(list_blobs(log, &d));
         GP_TRY(measure_all(log, &d, from > 0.0f, light, n));
