@@ -177,10 +177,11 @@ out:
 static gp_status read_surfaces(const struct gp_json_place *p, json_t *list,
                                double coating, struct gp_lens *lens)
 {
+    struct gp_json_place at = {p->log, p->path, "surface", 0};
     lens->stop = -1;
     lens->n = (int) json_array_size(list);
     for (int i = 0; i < lens->n; i++) {
-        const struct gp_json_place at = {p->log, p->path, "surface", i + 1};
+        at.index = i + 1;
         const gp_status st = read_surface(&at, json_array_get(list, (size_t) i),
                                           coating, i, lens);
         if (st)
@@ -189,10 +190,12 @@ static gp_status read_surfaces(const struct gp_json_place *p, json_t *list,
     if (lens->stop < 0)
         return gp_json_fail(p, "no stop; add a surface {\"stop\": true, "
                             "\"thickness\": mm, \"semi\": mm}");
+    at.index = lens->n;
     if (lens->at[lens->n - 1].n != 1.0)
-        return gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: glass up to the "
-                       "sensor (found n %g); leave n of the last one out",
-                       p->path, lens->n, lens->at[lens->n - 1].n);
+        return gp_json_fail(&at,
+                            "glass up to the sensor (found n %g); leave n "
+                            "of the last one out",
+                            lens->at[lens->n - 1].n);
     return GP_OK;
 }
 

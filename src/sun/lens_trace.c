@@ -263,15 +263,6 @@ struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
     return b;
 }
 
-static union gp_lens_corner between(const union gp_lens_corner *a,
-                                    const union gp_lens_corner *b, double t)
-{
-    union gp_lens_corner c;
-    for (size_t i = 0; i < sizeof c.all / sizeof *c.all; i++)
-        c.all[i] = a->all[i] + t * (b->all[i] - a->all[i]);
-    return c;
-}
-
 /* Cuts by one limit: a blade's, that of the rims where `normal` is NULL. Source:
  * Sutherland and Hodgman 1974. */
 static int cut_by(union gp_lens_corner *c, int n, int pass,
@@ -293,8 +284,12 @@ static int cut_by(union gp_lens_corner *c, int n, int pass,
         const int next = i + 1 < n ? i + 1 : 0;
         if (e[i] <= 0.0)
             out[m++] = c[i];
-        if ((e[i] <= 0.0) != (e[next] <= 0.0))
-            out[m++] = between(&c[i], &c[next], e[i] / (e[i] - e[next]));
+        if ((e[i] <= 0.0) == (e[next] <= 0.0))
+            continue;
+        const double t = e[i] / (e[i] - e[next]);
+        for (size_t k = 0; k < sizeof c->all / sizeof *c->all; k++)
+            out[m].all[k] = c[i].all[k] + t * (c[next].all[k] - c[i].all[k]);
+        m++;
     }
     memcpy(c, out, (size_t) m * sizeof *c);
     return m < 3 ? 0 : m;

@@ -50,16 +50,15 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
         .degrees = SUN_DEGREES,
         .depth = NAN,
         .bias = plain.bias,
-        .gain = {1.0f, 1.0f, 1.0f},
     };
     GP_TRY(gp_json_keys(p, o, keys));
     for (int i = 0; i < PLACES; i++) {
         const double most = places[i].most;
-        const bool found = json_object_get(o, places[i].key);
+        const bool given = json_object_get(o, places[i].key);
         GP_TRY(gp_json_numbers(p, o, places[i].key, places[i].count,
                                -most, most, out->at));
-        out->place = found ? (enum glarepp_place) i : out->place;
-        n += found;
+        out->place = given ? (enum glarepp_place) i : out->place;
+        n += given;
     }
     const double *const at = out->at;
     if (n != 1)
@@ -85,19 +84,18 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_number(p, o, "bias", 0.0, 1.0, &out->bias));
     GP_TRY(gp_json_numbers(p, o, "flux", -3, 0.0, MOST_FLUX, flux));
     GP_TRY(gp_json_numbers(p, o, "color", 3, 0.0, MOST_COLOUR, colour));
-    for (int c = 0; c < 3; c++)
-        out->flux[c] = (float) (flux[c] * colour[c]);
+    // of one to be found the colour is for what the frame has of it
+    const bool found = out->place == GLAREPP_FOUND;
+    for (int c = 0; c < 3; c++) {
+        out->flux[c] = (float) (flux[c] * (found ? 1.0 : colour[c]));
+        out->gain[c] = (float) (found ? colour[c] : 1.0);
+    }
     GP_TRY(gp_json_text(p, o, "name", &name));
     snprintf(out->name, sizeof out->name, "%s", name ? name : "");
-    if (out->place != GLAREPP_FOUND)
-        return GP_OK;
-    for (int c = 0; c < 3; c++) {
-        out->flux[c] = (float) flux[c];
-        out->gain[c] = (float) colour[c];
-    }
-    if (!out->name[0])
+    if (found && !out->name[0])
         return gp_json_fail(p, "\"found\" without \"name\"; give one");
-    if (pixels || json_object_get(o, "depth") || json_object_get(o, "bias"))
+    if (found &&
+        (pixels || json_object_get(o, "depth") || json_object_get(o, "bias")))
         return gp_json_fail(p, "a light that is \"found\" has the frame's own "
                                "radius and depth; leave \"radius\", \"depth\" "
                                "and \"bias\" out");
@@ -312,10 +310,10 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_numbers(&at, o, "worldToNDC_blender_colvec", 16,
                            -MOST_VALUE, MOST_VALUE, columns));
     if (!spec && !clip)
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: no projection (found neither \"worldToNDC_rowmajor"
-                       "\" nor \"worldToNDC_blender_colvec\"); give one of "
-                       "them", frame);
+        return gp_json_fail(&at,
+                            "no projection (found neither "
+                            "\"worldToNDC_rowmajor\" nor "
+                            "\"worldToNDC_blender_colvec\"); give one of them");
     for (int i = 0; !spec && i < 16; i++)
         ndc[i] = columns[i % 4 * 4 + i / 4];
     GP_TRY(gp_camera_make(p->log, frame, has_camera ? camera : NULL, ndc,
@@ -328,9 +326,8 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_number(&at, o, "sun_radius_px", 0.0, 1e6, &out->sun_radius));
     const double *const d = out->sun_dir;
     if (out->has_sun && d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0)
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: \"sun_dir_world\" is 0, 0, 0; give a vector that "
-                       "is not zero, or leave it out", frame);
+        return gp_json_fail(&at, "\"sun_dir_world\" is 0, 0, 0; give a vector "
+                                 "that is not zero, or leave it out");
 out:
     return st;
 }

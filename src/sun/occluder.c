@@ -14,13 +14,6 @@
 
 // -- pixels ------------------------------------------------------------------
 
-/* Returns true when a surface at `place` hides the light. */
-static bool hides(const struct gp_light *l, double place)
-{
-    return isinf(l->depth) ? l->depth > 0.0
-                           : place < l->depth * (1.0 - l->bias);
-}
-
 /* The sample of a pixel; NULL outside of the plane's window. */
 static const float *sample_at(const struct gp_plane *p, int x, int y)
 {
@@ -54,14 +47,15 @@ struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y, bool *beyond)
 {
+    // surfaces at a place under it hide the light
+    const double limit =
+        isinf(l->depth) ? l->depth : l->depth * (1.0 - l->bias);
     if (beyond)
         *beyond = false;
     if (o->deep)
-        return gp_deep_clear(o->deep, x, y,
-                             isinf(l->depth) ? (double) INFINITY
-                                             : l->depth * (1.0 - l->bias));
+        return gp_deep_clear(o->deep, x, y, limit);
     const struct gp_sun_pixel p = gp_occluders_at(o, x, y);
-    const bool past = !isinf(p.place) && !hides(l, p.place);
+    const bool past = !isinf(p.place) && !(p.place < limit);
     if (beyond)
         *beyond = past;
     return past ? 1.0 : 1.0 - (double) p.cover;

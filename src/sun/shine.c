@@ -336,26 +336,8 @@ static struct gp_flare_element element_of(const struct gp_spread_kernel *k,
         sum += channel * (double) gp_rec709_luminance[c];
     }
     for (int c = 0; c < 3; c++)
-        e.colour[c] = e.plain ? 1.0f : (float) (sum * k->step * k->step);
+        e.colour[c] = (float) (sum * k->step * k->step);
     return e;
-}
-
-/* Makes elements of the kernel's core and far field, at most two. */
-static gp_status make_sprite(const struct gp_log *log,
-                             const struct gp_kernel *k, const struct disc *d,
-                             int height, struct gp_flare *out)
-{
-    struct gp_spread_kernel spread;
-    gp_status st;
-    drop_sprite(out);
-    GP_TRY(gp_kernel_spread(log, k, d->m, d->weight, &spread));
-    out->element[out->n++] = element_of(&spread, height);
-    if (k->far) {
-        GP_TRY(gp_kernel_spread_far(log, k, d->m, d->weight, &spread));
-        out->element[out->n++] = element_of(&spread, height);
-    }
-out:
-    return st;
 }
 
 /* Makes a light's disc that of what it has beyond the frame, around its whole pixel, to
@@ -390,15 +372,14 @@ struct sprite {
     double radius;
 };
 
-/* Draws what a light has beyond the frame: by a sprite, which another light of its size
- * takes, too. */
+/* Draws what a light has beyond the frame: by a sprite of the kernel's core and one of
+ * its far field, which another light of its size takes, too. */
 static gp_status draw_sprite(const struct gp_log *log,
                              const struct gp_suns *suns,
                              const struct gp_kernel *kernel,
                              const struct gp_light *light, struct sprite *s,
                              struct gp_image *f)
 {
-    const int high = gp_rect_h(f->display);
     const bool partly = is_partly(suns, light, f->data);
     struct gp_light l = *light;
     struct disc d = {0};
@@ -408,9 +389,15 @@ static gp_status draw_sprite(const struct gp_log *log,
         GP_TRY(make_disc(log, l.radius, &d));
         if (partly)
             GP_TRY(cut_disc(log, f->data, &l, &d));
-        s->radius = 0.0;
-        GP_TRY(make_sprite(log, kernel, &d, high, &s->flare));
         s->radius = partly ? 0.0 : light->radius;
+        drop_sprite(&s->flare);
+        for (int k = 0; k < (kernel->far ? 2 : 1); k++) {
+            struct gp_spread_kernel spread;
+            GP_TRY((k ? gp_kernel_spread_far
+                      : gp_kernel_spread)(log, kernel, d.m, d.weight, &spread));
+            s->element[s->flare.n++] =
+                element_of(&spread, gp_rect_h(f->display));
+        }
     }
     GP_TRY(gp_flare_add(log, &s->flare, &l, 1, f->data, f->display, &f->layer));
 out:
