@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Reads the suns' files, places the lights in a frame, measures their visibility,
- * and adds their light: sources for the engines, sprites of the kernel for lights
- * that reach beyond the frame, and lens flare. */
+/* Reads the suns' files, places the lights in a frame and measures their visibility. */
 #include "sun/stage.h"
 
 #include "core/maths.h"
@@ -41,23 +39,22 @@ static gp_status read_image(const struct gp_log *log, gp_sun_picture picture,
     return GP_OK;
 }
 
-/* The lights of the run, then of its file, then of the frame. */
+/* The lights that have a place, of the run and then of the frame. */
 static const struct glarepp_light *spec_at(const struct gp_suns *suns, int i)
 {
-    const int own = suns->p->lights, read = own + suns->reads;
-    return i < own    ? &suns->p->light[i]
-           : i < read ? &suns->read[i - own]
-                      : &suns->more[i - read];
+    return i < suns->specs ? &suns->spec[i] : &suns->more[i - suns->specs];
 }
 
 gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_params *p,
     enum gp_gl_api api, gp_sun_picture picture, void *user, struct gp_suns *out)
 {
+    struct glarepp_light *read = NULL;
+    int reads = 0, n = 0;
     gp_status st = GP_OK;
     out->p = p;
     out->api = api;
     if (p->file)
-        GP_TRY(gp_lights_read(log, p->file, &out->read, &out->reads));
+        GP_TRY(gp_lights_read(log, p->file, &read, &reads));
     if (p->cameras)
         GP_TRY(gp_camera_read(log, p->cameras, &out->cameras));
     if (p->flare)
@@ -73,25 +70,28 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct glarepp_light_par
                        "%s: has elements of lights, and there is no light "
                        "with flux; write \"source\": \"bright\" in it",
                        p->flare));
-    const size_t all = (size_t) (p->lights + out->reads) + 1;
-    GP_TRY(gp_alloc(log, "lights", all, sizeof *out->track, &out->track));
-    for (int i = 0; i < p->lights + out->reads; i++) {
-        if (spec_at(out, i)->place == GLAREPP_FOUND)
-            out->track[out->tracks++] = *spec_at(out, i);
+    const int all = p->lights + reads;
+    GP_TRY(gp_alloc(log, "lights", (size_t) all + 1, sizeof *out->spec,
+                    &out->spec));
+    GP_TRY(gp_alloc(log, "lights", (size_t) all + 1, sizeof *out->known,
+                    &out->known));
+    for (int i = 0; i < 2 * all; i++) { // those with a place first
+        const int k = i % all;
+        const struct glarepp_light *const l =
+            k < p->lights ? &p->light[k] : &read[k - p->lights];
+        if ((l->place == GLAREPP_FOUND) == (i >= all))
+            out->spec[n++] = *l;
+        out->specs = i < all ? n : out->specs;
     }
-    int placed = 0; // those of the file, the others go
-    for (int i = 0; i < out->reads; i++) {
-        if (out->read[i].place != GLAREPP_FOUND)
-            out->read[placed++] = out->read[i];
-    }
-    out->reads = placed;
-    GP_TRY(gp_alloc(log, "lights", all, sizeof *out->known, &out->known));
+    out->track = out->spec + out->specs;
+    out->tracks = all - out->specs;
     out->knowns = gp_lights_at(out->track, out->tracks, 0.0, out->known);
     for (int k = 0; k < out->flare.n; k++) {
         if (out->flare.element[k].path)
             GP_TRY(read_image(log, picture, user, &out->flare.element[k]));
     }
 out:
+    gp_free(read);
     return st;
 }
 
@@ -168,7 +168,7 @@ gp_status gp_suns_find(const struct gp_log *log,
                        const struct gp_image *f, struct gp_suns *suns)
 {
     const struct glarepp_light_params *const p = suns->p;
-    const int read = p->lights + suns->reads, all = read + suns->mores;
+    const int all = suns->specs + suns->mores;
     const struct gp_camera_frame *entry;
     struct gp_camera camera;
     bool found = false, needed = p->cameras || suns->mores > 0 || suns->camera;
@@ -176,9 +176,8 @@ gp_status gp_suns_find(const struct gp_log *log,
     GP_FREE(suns->light);
     suns->n = suns->placed = 0;
     // a camera that no light needs is not looked at, and may be wrong
-    for (int i = 0; i < read; i++)
-        needed = needed || spec_at(suns, i)->place == GLAREPP_WORLD ||
-                 spec_at(suns, i)->place == GLAREPP_DIRECTION;
+    for (int i = 0; i < suns->specs; i++)
+        needed = needed || suns->spec[i].place != GLAREPP_PIXEL;
     GP_TRY(find_entry(log, suns, about, f, &entry));
     if (needed)
         GP_TRY(gp_suns_camera(log, suns, about, f, &camera, &found));
@@ -202,8 +201,6 @@ gp_status gp_suns_find(const struct gp_log *log,
     for (int i = -(int) sun; i < all; i++) {
         const struct glarepp_light spec = i < 0 ? sun_of(suns, entry, f)
                                                 : *spec_at(suns, i);
-        if (spec.place == GLAREPP_FOUND)
-            continue;
         GP_TRY(gp_light_place_in(log, f->path, &spec, found ? &camera : NULL,
                                  p->depth, f->display, &suns->light[suns->n]));
         suns->placed = ++suns->n;
@@ -277,20 +274,25 @@ static void warn_of_window(const struct gp_log *log, const char *name,
            gp_rect_w(own), gp_rect_h(own), own.x0, own.y0);
 }
 
+/* Tests whether a light's disc may have a part in the frame. */
+static bool is_seen(const struct gp_light *l, struct gp_rect frame)
+{
+    const double q = gp_light_stretch(l), u = l->radius * q + 1.0,
+                 v = l->radius / q + 1.0;
+    return !l->behind && l->x + u > frame.x0 && l->x - u < frame.x1 &&
+           l->y + v > frame.y0 && l->y - v < frame.y1;
+}
+
 /* Warns once of lights before which the frame has nothing. Those that a scene
  * measures do not count. */
 static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
                           struct gp_suns *suns)
 {
     const bool scene = suns->p->outside == GLAREPP_BY_SCENE;
-    const struct gp_rect r = suns->occluders.frame;
     bool any = false;
     for (int i = 0; i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
-        any |= !l->traced &&
-               (!scene || (!l->behind && l->x + l->radius > r.x0 &&
-                           l->x - l->radius < r.x1 && l->y + l->radius > r.y0 &&
-                           l->y - l->radius < r.y1));
+        any |= !l->traced && (!scene || is_seen(l, suns->occluders.frame));
     }
     if (!any || suns->occluders.depth || suns->occluders.mask ||
         suns->occluders.deep || suns->warned_clear)
@@ -328,15 +330,6 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
 
 // -- visibility ---------------------------------------------------------------
 
-/* Tests whether a light's disc may have a part in the frame. */
-static bool is_seen(const struct gp_light *l, struct gp_rect frame)
-{
-    const double q = gp_light_stretch(l), u = l->radius * q + 1.0,
-                 v = l->radius / q + 1.0;
-    return l->x + u > frame.x0 && l->x - u < frame.x1 && l->y + v > frame.y0 &&
-           l->y - v < frame.y1;
-}
-
 gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
 {
     const struct glarepp_light_params *const p = suns->p;
@@ -346,7 +339,6 @@ gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
     bool hides = false;
     for (int i = 0; i < suns->n; i++)
         hides |= (suns->occluders.depth || suns->occluders.mask) &&
-                 !suns->light[i].behind &&
                  is_seen(&suns->light[i], suns->occluders.frame);
     if (p->method == GLAREPP_EXACT || !hides) {
         gp_sun_exact(&suns->occluders, p->outside, suns->light, suns->n);
@@ -392,8 +384,7 @@ void gp_suns_close(struct gp_suns *suns)
     gp_gl_close(&suns->gl);
     gp_flare_free(&suns->flare);
     gp_camera_file_free(&suns->cameras);
-    gp_free(suns->read);
-    gp_free(suns->track);
+    gp_free(suns->spec);
     gp_free(suns->known);
     *suns = (struct gp_suns) {0};
 }

@@ -26,10 +26,10 @@ struct gp_suns {
     bool given; // lights may have places; set by the caller, before all calls
     const struct glarepp_light_params *p; // borrowed
     enum gp_gl_api api;
-    struct glarepp_light *read; // owned; of p->file
-    int reads;
-    struct glarepp_light *track; // owned; of all these, those to be found, in
-    int tracks;                  // each frame that is given,
+    struct glarepp_light *spec;  // owned; of p and of its file: those that
+    int specs;                   // have a place, and then
+    struct glarepp_light *track; // ... those to be found, in each frame that
+    int tracks;                  // is given,
     struct glarepp_light *known; // owned; ... and in this one
     int knowns;
     struct gp_camera_file cameras;
