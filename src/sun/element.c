@@ -499,14 +499,7 @@ static void add_look(const struct gp_flare_quad *q, int y,
     const float py = q->base[1] + (float) (y - q->rect.y0);
     const float c = q->turn[0], s = q->turn[1];
     const bool cut = q->cut[0] != 0.0f || q->cut[1] != 0.0f;
-    int first = 0, end = gp_rect_w(q->rect);
-    if (!l->rays) { // within a circle
-        const double r = l->extent * l->radius * fmax(l->aspect, 1.0) + 1.0;
-        const double half = sqrt(fmax(r * r - (double) (py * py), 0.0)) + 1.0;
-        first = gp_clamp_whole(-half - (double) q->base[0], 0, end);
-        end = gp_clamp_whole(half - (double) q->base[0] + 1.0, first, end);
-    }
-    for (int i = first; i < end; i++) {
+    for (int i = 0; i < gp_rect_w(q->rect); i++) {
         const float px = q->base[0] + (float) i;
         float v[3] = {0};
         value_at(l, q, px * c - py * s, px * s + py * c, v);

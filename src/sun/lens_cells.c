@@ -516,8 +516,7 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                                (j + 1) * w + i};
             const double *p[4];
             bool arrives = true, passes = false, clear = true;
-            double low = INFINITY, high = -INFINITY, light[3] = {0};
-            double left = INFINITY, right = -INFINITY;
+            double light[3] = {0};
             if (rays->set[half][j * cells + i] != 1 + set)
                 continue;
             for (int e = 0; e < 4; e++) {
@@ -525,15 +524,10 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                 arrives = arrives && rays->arrives[at[e]];
                 passes = passes || hit[at[e]].rim < 1.0f;
                 clear = clear && rays->clear[at[e]];
-                low = gp_mind(low, p[e][1]);
-                high = gp_maxd(high, p[e][1]);
-                left = gp_mind(left, p[e][0]);
-                right = gp_maxd(right, p[e][0]);
                 for (int c = 0; c < 3; c++)
                     light[c] += 0.25 * rays->light[at[e]][c];
             }
-            if (!arrives || !passes || !(high > k->y0 && low < k->y1) ||
-                !(right > 0.0 && left < k->w))
+            if (!arrives || !passes)
                 continue;
             const double share = clear ? density_of(p) : 0.0;
             for (int c = 0; c < 3; c++)
