@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Polygons by exact coverage: edges add the change of coverage along a row,
- * and running sums along rows make pixels of it. */
+ * whose running sum is light. */
 #include "sun/lens_priv.h"
 
-#include "core/colour.h"
-#include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 
 #include <math.h>
 
@@ -133,96 +130,4 @@ void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],
         const double *const a = p[i], *const b = p[i + 1 < n ? i + 1 : 0];
         gp_lens_cover_edge(k, a, b, each);
     }
-}
-
-// -- steps --------------------------------------------------------------------
-
-static void sum_row(void *ctx, int y, int thread)
-{
-    const struct gp_lens_steps *const s = ctx;
-    double *const row = s->v + 3 * (size_t) y * (size_t) (s->w + 2);
-    (void) thread;
-    for (int i = 3; i < 3 * (s->w + 2); i++)
-        row[i] += row[i - 3];
-}
-
-/* Weights of three steps around a place that is `off` from the middle one's:
- * the quadratic B-spline, whose sum is 1 everywhere. */
-static void spline(double off, double weight[3])
-{
-    weight[0] = 0.5 * (0.5 - off) * (0.5 - off);
-    weight[1] = 0.75 - off * off;
-    weight[2] = 0.5 * (0.5 + off) * (0.5 + off);
-}
-
-struct adding {
-    const struct gp_lens_steps *steps; // GP_LENS_LEVELS
-    int w;
-    const float *luminance;
-    struct gp_planes *layer;
-};
-
-/* Adds steps to a row of pixels, smooth between them. */
-static void add_level(const struct adding *a, const struct gp_lens_steps *s,
-                      int y, double *row, double *to)
-{
-    const int stride = 3 * (s->w + 2);
-    const double v = (y + 0.5) / s->step + 0.5;
-    const int near = (int) (v + 0.5);
-    const double *const at = s->v + (size_t) near * (size_t) stride;
-    double down[3] = {0.0, 1.0, 0.0}, across[3] = {0.0, 1.0, 0.0};
-    if (s->step > 1)
-        spline(v - near, down);
-    for (int i = 0; i < stride; i++)
-        row[i] = down[0] * at[i - stride] + down[1] * at[i] +
-                 down[2] * at[i + stride];
-    for (int x = 0; x < a->w; x++) {
-        const double u = (x + 0.5) / s->step + 0.5;
-        const int i = (int) (u + 0.5);
-        if (s->step > 1)
-            spline(u - i, across);
-        for (int c = 0; c < 3; c++) {
-            const double *const p = row + 3 * i + c;
-            to[3 * x + c] +=
-                across[0] * p[-3] + across[1] * p[0] + across[2] * p[3];
-        }
-    }
-}
-
-static gp_status add_row(void *ctx, int y, int thread)
-{
-    const struct adding *const a = ctx;
-    const size_t room = 3 * ((size_t) a->w + 4);
-    double *row;
-    const gp_status st =
-        gp_alloc_zero(NULL, "row", 2 * room, sizeof *row, &row);
-    double *const sum = row + room;
-    (void) thread;
-    for (int l = 0; l < GP_LENS_LEVELS && !st; l++) {
-        if (a->steps[l].v)
-            add_level(a, &a->steps[l], y, row, sum);
-    }
-    for (int x = 0; x < a->w && !st; x++) {
-        gp_gamut_fold(a->luminance, sum + 3 * x);
-        for (int c = 0; c < 3; c++) {
-            // running sums leave a rounding error of 0
-            if (sum[3 * x + c] > 1e-30)
-                a->layer->c[c][(size_t) y * (size_t) a->w + (size_t) x] +=
-                    (float) sum[3 * x + c];
-        }
-    }
-    gp_free(row);
-    return st;
-}
-
-gp_status gp_lens_steps_add(struct gp_lens_steps steps[GP_LENS_LEVELS], int w,
-                            int h, const float luminance[3],
-                            struct gp_planes *layer)
-{
-    struct adding a = {steps, w, luminance, layer};
-    for (int l = 0; l < GP_LENS_LEVELS; l++) {
-        if (steps[l].v)
-            gp_parallel_do(steps[l].h, sum_row, &steps[l]);
-    }
-    return gp_parallel(h, add_row, &a, NULL);
 }

@@ -140,6 +140,7 @@ struct drawing {
     struct gp_lens_steps level[GP_LENS_LEVELS];
     struct gp_lens_item item[CHUNK];
     int items;
+    struct gp_planes *layer;
 };
 
 // -- choice -------------------------------------------------------------------
@@ -310,10 +311,12 @@ static gp_status draw_rows(void *ctx, int strip, int thread)
     return st;
 }
 
-static gp_status make_accumulators(struct drawing *d)
+/* Traces and draws the items of a chunk, and adds up their figures. */
+static gp_status run_chunk(struct drawing *d, struct glarepp_lens_facts *stats)
 {
     const int w = gp_rect_w(d->view->frame), h = gp_rect_h(d->view->frame);
-    gp_status st = GP_OK;
+    const int strips = (h + STRIP_ROWS - 1) / STRIP_ROWS;
+    gp_status st = gp_parallel(d->items, trace_item, d, NULL);
     for (int i = 0; i < d->items && !st; i++) {
         const int level = d->item[i].level, step = 1 << gp_max(level, 0);
         struct gp_lens_steps *const s = &d->level[gp_max(level, 0)];
@@ -325,17 +328,6 @@ static gp_status make_accumulators(struct drawing *d)
         st = gp_alloc_zero(NULL, "ghosts", (size_t) (s->w + 2) *
                            (size_t) (s->h + 2), 3 * sizeof *s->v, &s->v);
     }
-    return st;
-}
-
-/* Traces and draws the items of a chunk, and adds up their figures. */
-static gp_status run_chunk(struct drawing *d, struct glarepp_lens_facts *stats)
-{
-    const int strips =
-        (gp_rect_h(d->view->frame) + STRIP_ROWS - 1) / STRIP_ROWS;
-    gp_status st = gp_parallel(d->items, trace_item, d, NULL);
-    if (!st)
-        st = make_accumulators(d);
     if (!st)
         st = gp_parallel(strips, draw_rows, d, NULL);
     for (int i = 0; i < d->items; i++) {
@@ -377,6 +369,80 @@ static gp_status measure_image(const struct gp_log *log, struct drawing *d)
                                        d->lens->says.name);
 }
 
+// -- steps --------------------------------------------------------------------
+
+static void sum_row(void *ctx, int y, int thread)
+{
+    const struct gp_lens_steps *const s = ctx;
+    double *const row = s->v + 3 * (size_t) y * (size_t) (s->w + 2);
+    (void) thread;
+    for (int i = 3; i < 3 * (s->w + 2); i++)
+        row[i] += row[i - 3];
+}
+
+/* Weights of three steps around a place that is `off` from the middle one's:
+ * the quadratic B-spline, whose sum is 1 everywhere. */
+static void spline(double off, double weight[3])
+{
+    weight[0] = 0.5 * (0.5 - off) * (0.5 - off);
+    weight[1] = 0.75 - off * off;
+    weight[2] = 0.5 * (0.5 + off) * (0.5 + off);
+}
+
+/* Adds steps to a row of pixels, smooth between them. */
+static void add_level(int w, const struct gp_lens_steps *s, int y, double *row,
+                      double *to)
+{
+    const int stride = 3 * (s->w + 2);
+    const double v = (y + 0.5) / s->step + 0.5;
+    const int near = (int) (v + 0.5);
+    const double *const at = s->v + (size_t) near * (size_t) stride;
+    double down[3] = {0.0, 1.0, 0.0}, across[3] = {0.0, 1.0, 0.0};
+    if (s->step > 1)
+        spline(v - near, down);
+    for (int i = 0; i < stride; i++)
+        row[i] = down[0] * at[i - stride] + down[1] * at[i] +
+                 down[2] * at[i + stride];
+    for (int x = 0; x < w; x++) {
+        const double u = (x + 0.5) / s->step + 0.5;
+        const int i = (int) (u + 0.5);
+        if (s->step > 1)
+            spline(u - i, across);
+        for (int c = 0; c < 3; c++) {
+            const double *const p = row + 3 * i + c;
+            to[3 * x + c] +=
+                across[0] * p[-3] + across[1] * p[0] + across[2] * p[3];
+        }
+    }
+}
+
+/* Sums up all steps of a row, each pixel's colour folded into the gamut. */
+static gp_status add_row(void *ctx, int y, int thread)
+{
+    const struct drawing *const d = ctx;
+    const int w = gp_rect_w(d->view->frame);
+    const size_t room = 3 * ((size_t) w + 4);
+    double *row;
+    const gp_status st =
+        gp_alloc_zero(NULL, "row", 2 * room, sizeof *row, &row);
+    double *const sum = row + room;
+    (void) thread;
+    for (int l = 0; l < GP_LENS_LEVELS && !st; l++) {
+        if (d->level[l].v)
+            add_level(w, &d->level[l], y, row, sum);
+    }
+    for (int x = 0; x < w && !st; x++) {
+        gp_gamut_fold(d->view->luminance, sum + 3 * x);
+        for (int c = 0; c < 3; c++) {
+            // running sums leave a rounding error of 0
+            if (sum[3 * x + c] > 1e-30)
+                gp_row(d->layer->c[c], w, y)[x] += (float) sum[3 * x + c];
+        }
+    }
+    gp_free(row);
+    return st;
+}
+
 gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     const struct gp_lens_view *view, const struct gp_lens_light *light, int n,
     struct gp_planes *layer, struct glarepp_lens_facts *out)
@@ -389,6 +455,7 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     d->lens = lens;
     d->view = view;
     d->light = light;
+    d->layer = layer;
     GP_TRY(measure_image(log, d));
     choose(d, n, &stats);
     for (int i = 0; i < n * d->kept_n; i += d->items) {
@@ -398,8 +465,11 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
         if (run_chunk(d, &stats))
             GP_TRY(gp_no_memory(log, "ghosts"));
     }
-    if (gp_lens_steps_add(d->level, gp_rect_w(view->frame),
-                          gp_rect_h(view->frame), view->luminance, layer))
+    for (int l = 0; l < GP_LENS_LEVELS; l++) {
+        if (d->level[l].v)
+            gp_parallel_do(d->level[l].h, sum_row, &d->level[l]);
+    }
+    if (gp_parallel(gp_rect_h(view->frame), add_row, d, NULL))
         GP_TRY(gp_no_memory(log, "ghosts"));
     const double light_sum = gp_luminance_of(view->luminance, stats.light);
     stats.lost = stats.lost > 0.0 ? stats.lost / (stats.lost + light_sum) : 0.0;

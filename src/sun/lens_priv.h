@@ -151,12 +151,6 @@ struct gp_lens_steps {
 };
 enum { GP_LENS_LEVELS = 5 }; // 1, 2, 4, 8 and 16 pixels a step
 
-/* Sums up the rows of all levels, and adds them to a layer of w x h, each pixel's
- * colour folded into the gamut. */
-GP_MUST_CHECK gp_status
-gp_lens_steps_add(struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
-                  const float luminance[3], struct gp_planes *layer);
-
 // -- ghosts by cells and parts of the spectrum (lens_cells.c, lens_draw.c) ----
 
 enum {

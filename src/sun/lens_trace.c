@@ -414,14 +414,13 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
                 // a cell that is not drawn has half of the light of its rays that
                 // arrive: towards total reflection nothing passes
                 for (int k = 0; k < 4 && !arrives; k++) {
-                    const double area = 0.25 * dx * dy * every * every;
+                    const double area = 0.25 * both * dx * dy * every * every;
                     if (h[k]->through < 0.0f ||
                         !gp_lens_is_clear(blades, m->passes, h[k]))
                         continue;
                     sum.lost += area * (double) h[k]->through;
                     if (weigh)
-                        weigh[h[k] - hit].weight[1] +=
-                            (float) (0.5 * both * area);
+                        weigh[h[k] - hit].weight[1] += (float) (0.5 * area);
                 }
                 if (!arrives)
                     continue;
@@ -434,17 +433,16 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
                     const union gp_lens_corner *const b = &c[(k + 1) % n];
                     after += 0.5 * (a->x * b->y - b->x * a->y);
                 }
-                sum.area += fabs(after);
+                sum.area += both * fabs(after);
                 for (int k = 0; k < 4; k++) {
                     const double own = both * area * share[k];
-                    sum.light += own / both * (double) h[k]->through;
+                    sum.light += own * (double) h[k]->through;
                     for (int e = 0; e < 2 && weigh; e++)
                         weigh[h[k] - hit].weight[e] += (float) own;
                 }
             }
         }
     }
-    sum = (struct sum) {both * sum.light, both * sum.area, both * sum.lost};
     return sum;
 }
 
