@@ -392,7 +392,7 @@ static gp_status draw_sprite(const struct gp_log *log,
         s->radius = partly ? 0.0 : light->radius;
         drop_sprite(&s->flare);
         for (int k = 0; k < (kernel->far ? 2 : 1); k++) {
-            struct gp_spread_kernel spread;
+            struct gp_spread_kernel spread = {0};
             GP_TRY((k ? gp_kernel_spread_far
                       : gp_kernel_spread)(log, kernel, d.m, d.weight, &spread));
             s->element[s->flare.n++] =

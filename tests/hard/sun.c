@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 #include "gl/gl.h"
-#include "sun/mask/mask.h"
+#include "sun/mask/mask_priv.h"
 
 enum { MODES = 3, PATTERNS = 2 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Maughan's texture masking on GL, and the paper's other method: drawing,
  * reading back, and the plain form on the CPU. */
-#include "sun/mask/mask.h"
+#include "sun/mask/mask_priv.h"
 
 #include "core/maths.h"
 #include "core/memory.h"

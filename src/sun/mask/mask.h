@@ -53,13 +53,6 @@ GP_MUST_CHECK gp_status gp_sun_by_gl(const struct gp_log *log,
                                      struct gp_sun_map *s);
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map *s);
 
-/* Returns the visibility of one light by the plain form of the map, on the CPU, summed
- * in double whatever p->bytes. `map` gets r and g of p->side squared texels, or is
- * NULL. */
-double gp_sun_map_reference(const struct gp_occluders *o,
-                            const struct glarepp_light_params *p,
-                            const struct gp_light *light, float *map);
-
 /* Makes the pictures of --debug by the plain form, whatever the method: of each
  * light its sun map or, where p is NULL, its visibility, and beside it the frame's
  * pixels in the square around it, 32 lights in a row. Both are repeated to 256 pixels

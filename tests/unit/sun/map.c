@@ -4,7 +4,7 @@
  * (Shares by each method against plain forms: tests/hard/sun.c.) */
 #include "scene.h"
 #include "gl/gl_priv.h"
-#include "sun/mask/mask.h"
+#include "sun/mask/mask_priv.h"
 
 static const struct gp_rect window = {-40, 25, 120, 125}; // 160 x 100
 
