@@ -167,8 +167,7 @@ void gp_hear(void *user, const struct glarepp_message *m)
         return; // that nothing hides the lights was asked for
     find_words(l->s, m->parameter, words);
     (void) gp_print(to, m->bare ? GP_LEVEL_BARE : (enum gp_level) m->level,
-                    (gp_status) m->status, "", "%s%s%s", words, m->text,
-                    hint);
+                    (gp_status) m->status, "", "%s%s%s", words, m->text, hint);
 }
 
 // -- what it is given ---------------------------------------------------------

@@ -55,6 +55,11 @@ GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
     const struct gp_stream *stream, int part, struct gp_decoded *out);
 
+/* gp_read_frame() for an open stream, which it takes over. */
+GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, struct gp_stream *stream,
+    struct gp_frame *out);
+
 /* A PNG of any colour type, depth and interlacing: channels Y, YA, RGB or RGBA.
  * Palettes and transparent colours are resolved, less than 8 bits come as 8.
  * Alpha is associated as OpenImageIO 2.4 does it, on codes: truncated c * a

@@ -209,10 +209,9 @@ gp_status gp_read_image(const struct gp_log *log,
                                   p->max_pixels, out);
 }
 
-/* gp_read_frame() for an open stream, which it takes over. */
-static gp_status read_stream(const struct gp_log *log,
-                             const struct gp_read_params *p, const char *path,
-                             struct gp_stream *stream, struct gp_frame *out)
+gp_status gp_read_stream(const struct gp_log *log,
+                         const struct gp_read_params *p, const char *path,
+                         struct gp_stream *stream, struct gp_frame *out)
 {
     gp_status st;
     struct gp_decoded image = {0};
@@ -247,7 +246,7 @@ gp_status gp_read_frame(const struct gp_log *log,
     struct gp_stream stream;
     bool exr;
     gp_status st = gp_read_open(log, p, path, &stream, &exr);
-    return st ? st : read_stream(log, p, path, &stream, out);
+    return st ? st : gp_read_stream(log, p, path, &stream, out);
 }
 
 bool gp_read_has_end(const char *path)
@@ -362,7 +361,7 @@ gp_status gp_members_frame(const struct gp_log *log,
 {
     struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
                                          m->member[i].size);
-    return read_stream(log, p, name, &view, out);
+    return gp_read_stream(log, p, name, &view, out);
 }
 
 // -- the alpha of a picture ---------------------------------------------------
