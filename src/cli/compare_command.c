@@ -559,10 +559,10 @@ static gp_status find_frames(struct run *r)
         if (i == HEATMAP || gp_write_check(NULL, &r->write, path) != GP_ERR_IO)
             GP_TRY(gp_write_check(r->log, &r->write, path));
     }
-    if (json)
-        GP_TRY(gp_file_open(r->log, json, false, false, &r->json));
     GP_TRY(gp_compare_pages_begin(r->log, r->s, r->frames.n, &r->pages));
     GP_TRY(check_names(r));
+    if (json)
+        GP_TRY(gp_file_open(r->log, json, false, false, &r->json));
 out:
     gp_frames_free(&more);
     return st;

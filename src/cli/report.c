@@ -492,7 +492,8 @@ static void put_rows(json_t *line, const struct row *r, const void *from,
             json_array_append_new(v, value_at(r, at + (size_t) i * r->size));
         if (dot && !nested && !(o = json_object_getn(line, r->name, length))) {
             o = json_object();
-            json_object_setn_new(line, r->name, length, o);
+            if (json_object_setn_new(line, r->name, length, o))
+                o = NULL; // memory is full, which gp_json_print() sees
         }
         json_object_set_new(o, key, v);
     }

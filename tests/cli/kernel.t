@@ -152,7 +152,7 @@ frame adapt.2.exr kind=zeros hot=100 size=16x10 \
     attr=whiteLuminance:float:1000
 frame adapt.3.exr kind=zeros hot=100 size=16x10 display=0,0,31,9
 frame adapt.4.exr kind=zeros hot=10 size=16x10
-for eye in temporal:adaptation=0,hippus=0 spencer:light=adapted; do
+for eye in temporal:adaptation=0,hippus=0 spencer:light=adapted,halo=0; do
     run --fov 5 -k star -k $eye --layer 'eye.#.exr' --report r.json 'adapt.#.exr'
     quiet_success "$eye: frames of their own light"
     is "$(field r.json '[json.loads(l)["kernel"]["pupil_mm"] for l in open("r.json")]')" \

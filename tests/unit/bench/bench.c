@@ -63,10 +63,11 @@ static void layers_have_their_own_front(void **state)
     static const char flare[] = "flare", lens[] = "lens";
     struct gp_bench_frame f = {
         .rows = 4,
-        .row = {{.took = {1, 1}, .error = {1e-8}},
-                {.took = {9, 9}, .error = {1e-3}, .layer = flare},
-                {.took = {10, 10}, .error = {1e-3}, .layer = lens},
-                {.took = {11, 11}, .error = {1e-2}, .layer = lens}}};
+        .row = {
+            {.took = {.ms = 1, .least = 1}, .error = {1e-8}},
+            {.took = {.ms = 9, .least = 9}, .error = {1e-3}, .layer = flare},
+            {.took = {.ms = 10, .least = 10}, .error = {1e-3}, .layer = lens},
+            {.took = {.ms = 11, .least = 11}, .error = {1e-2}, .layer = lens}}};
     gp_bench_mark_pareto(&f);
     assert_true(f.row[0].pareto && f.row[1].pareto && f.row[2].pareto);
     assert_false(f.row[3].pareto);
