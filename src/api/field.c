@@ -77,7 +77,7 @@ gp_status gp_api_has_axis(const struct glarepp_frame *f)
                          "its flare and ghosts lie");
 }
 
-/* What is wrong with the frame's matrices, where they give the angle of view; NULL:
+/* The fault of the frame's matrices, where they give the angle of view; NULL:
  * nothing. */
 static const char *camera_fault(const struct glarepp_frame *f)
 {

@@ -72,7 +72,7 @@ enum { GP_REL_L2, GP_MAX_REL, GP_FLIP, GP_BENCH_BY, GP_BENCH_WITHIN = 4 };
 extern const char *const gp_bench_by[GP_BENCH_BY];
 extern const double gp_bench_within[GP_BENCH_WITHIN];
 
-/* What runs took, in milliseconds: median and range of `runs` with state kept,
+/* Times of runs, in milliseconds: median and range of `runs` with state kept,
  * and the first, which makes it. NaN: not known. */
 struct gp_bench_took {
     double ms, least, most, first;

@@ -13,7 +13,7 @@
 
 #include <locale.h>
 
-/* What a context of the library sets, and every function below it finds through its
+/* Settings of a context of the library, which every function below it finds through its
  * thread. Threads of a parallel loop have that of the loop's caller. All borrowed; zero is
  * what a thread starts with. */
 struct gp_env {

@@ -158,11 +158,13 @@ static void explain(const struct gp_glare_request *req,
 {
     static const char *const OVER = ", the lowest there is, over %.2g";
     const struct gp_glare_params *const p = req->params;
-    // a sum of all pairs has less, in its time
-    const bool levels = strcmp(drawn_by(req, c), "levels") == 0;
+    const char *const name = drawn_by(req, c);
     char over[64] = "", pixel[64] = "", pixel_over[64] = "";
     if (!(c->bound <= (double) p->tolerance))
-        snprintf(over, sizeof over, levels ? ", over %.2g" : OVER,
+        snprintf(over, sizeof over,
+                 strcmp(name, "levels") == 0 // sums of all pairs have less
+                     ? ", over %.2g"
+                     : OVER,
                  (double) p->tolerance);
     if (c->pixel > 0.0)
         snprintf(pixel, sizeof pixel, ", %.2g in a pixel", c->pixel);
@@ -170,7 +172,7 @@ static void explain(const struct gp_glare_request *req,
         snprintf(pixel_over, sizeof pixel_over, OVER,
                  (double) p->tolerance_pixel);
     snprintf(req->stats->why, sizeof req->stats->why,
-             "%s%s for %zu source%s, bound %.2g%s%s%s", drawn_by(req, c),
+             "%s%s for %zu source%s, bound %.2g%s%s%s", name,
              c->whole && req->kernel->sky ? " by true angles"
              : c->whole                   ? " of the whole kernel"
              : c->in_double               ? " in double"

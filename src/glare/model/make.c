@@ -64,9 +64,6 @@ static bool is_smooth(const struct gp_shape *s)
     return s->smooth < INFINITY && s->reach == INT_MAX;
 }
 
-/* What stays of a kernel whose light all goes by angle; without any it is none. */
-static const double LEAST = 1e-20;
-
 static void close_mixture(struct mixture *m)
 {
     for (int i = 0; i < m->n; i++)
@@ -602,7 +599,7 @@ static gp_status open_parts(const struct gp_log *log, const struct gp_recipe *r,
     p.stays = m->stays;
     st = gp_sky_make(log, &p, sky);
     if (!st && *sky) {
-        m->stays += fmax(gp_sky_give(*sky), LEAST);
+        m->stays += gp_sky_give(*sky);
         m->near = near;
         return GP_OK;
     }
@@ -659,7 +656,7 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
                                 k->sky ? &rest : NULL, &m);
     if (st)
         return st;
-    m.stays += k->sky ? fmax(gp_sky_given(k->sky), LEAST) : 0.0;
+    m.stays += k->sky ? gp_sky_given(k->sky) : 0.0;
     m.tint = o->tint;
     m.near = o->near;
     st = make_core(log, &m, &whole, NULL, o->field.luminance, w, h, out);

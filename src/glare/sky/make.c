@@ -432,12 +432,11 @@ double gp_sky_give(struct gp_sky *s)
 {
     double least = INFINITY, *const own = s->sphere ? s->sphere->own : s->own;
     const int n = s->sphere ? s->sphere->h : s->places.n[0] * s->places.n[1];
-    if (!n)
-        return 0.0;
+    static const double LEAST = 1e-20; // not 0, which would be no kernel
     for (int i = 0; i < n; i++)
         least = fmin(least, own[i]);
     // cubics between places may be lower
-    s->given = (double) (float) (0.9 * fmax(least, 0.0));
+    s->given = (double) (float) fmax(n ? 0.9 * least : 0.0, LEAST);
     for (int i = 0; i < n; i++)
         own[i] -= s->given;
     return s->given;
