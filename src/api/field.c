@@ -187,8 +187,7 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
                   sky ? "part of its glare" : "its glare", f->facts.kernel.fov,
                   splat     ? "splat has one shape everywhere"
                   : angular ? LIMITS[field->projection.kind]
-                            : "true angles are for models of the angle alone, "
-                              "without halo and needles");
+                            : "true angles are for models of the angle");
 }
 
 /* Warns, once a run, of attributes that are not taken for what they say. */

@@ -23,18 +23,18 @@ gp_status gp_api_part_core(struct glarepp_frame *f, const struct gp_sources *s,
     float *own = NULL;
     if (k->sky)
         GP_TRY(gp_alloc(&f->log, "parts", (size_t) s->w, sizeof *own, &own));
-    for (int y = 0; y < s->h && s->n && inside; y++) {
+    for (int row = 0; row < 3 * s->h && s->n && inside; row++) {
+        const int c = row / s->h, y = row % s->h;
         const uint32_t first = s->row[y], end = s->row[y + 1];
         if (own)
-            gp_sky_own(k->sky, s->w, s->h, y, s->x + first, end - first, own);
+            gp_sky_own(gp_sky_channel(k->sky, c), s->w, s->h, y, s->x + first,
+                       end - first, own);
         for (uint32_t i = first; i < end; i++) {
             const size_t p = (size_t) y * (size_t) s->w + (size_t) s->x[i];
-            for (int c = 0; c < 3; c++) {
-                const float centre =
-                    gain * (k->k.c[c][middle] + (own ? own[i - first] : 0.0f));
-                f->part[1].c[c][p] += s->rgb[c][i] * centre;
-                f->part[0].c[c][p] -= s->rgb[c][i] * centre;
-            }
+            const float centre =
+                gain * (k->k.c[c][middle] + (own ? own[i - first] : 0.0f));
+            f->part[1].c[c][p] += s->rgb[c][i] * centre;
+            f->part[0].c[c][p] -= s->rgb[c][i] * centre;
         }
     }
 out:

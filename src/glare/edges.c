@@ -406,13 +406,15 @@ void gp_beyond_add_row(void *ctx, int y, int thread)
 {
     const struct gp_outside *const o = ctx;
     const struct gp_beyond *const b = o->b;
-    const bool alike = o->sums.channels == 1 && !o->cosines.c[0];
+    const struct gp_sky *const sky = o->sums.k->sky;
+    const bool alike = o->sums.channels == 1 && !o->cosines.c[0] &&
+                       (!sky || gp_sky_channel(sky, 1) == sky);
     float *const weight = o->weight + (size_t) thread * 3 * (size_t) b->w;
     float *const outside = weight + 2 * b->w;
-    if (o->sums.k->sky)
-        gp_sky_outside_row(o->sums.k->sky, y, outside);
     for (int c = 0; c < 3; c++) {
         const float *const above = gp_row(b->b.c[c], b->w, y / b->side);
+        if (sky && (c == 0 || !alike))
+            gp_sky_outside_row(gp_sky_channel(sky, c), y, outside);
         if (c == 0 || !alike)
             weigh_row(o, c, y, thread, outside, weight);
         add_light(gp_row(o->layer->c[c], b->w, y), weight, above, above + b->w,
@@ -505,7 +507,7 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
 {
     struct box_sums sums;
     const double rest = rest_of(k);
-    struct outer outer = {.sky = k->sky, .layer = layer};
+    struct outer outer = {.layer = layer};
     struct gp_planes cosines = {0};
     gp_status st = b ? sum_boxes(log, k, &sums) : GP_OK;
     if (!b || st)
@@ -514,10 +516,12 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
     GP_TRY(gp_alloc_zero(log, "edges", (size_t) b->w * (size_t) b->h,
                          sizeof *outer.share, &outer.share));
     GP_TRY(find_cosines(log, k, b->w, b->h, &cosines));
-    if (k->sky)
-        gp_parallel_do(b->h, find_outer, &outer);
     for (int i = 0; i < 3 * b->h; i++) {
         const int c = i / b->h, y = i % b->h, from = c % sums.channels;
+        if (k->sky && outer.sky != gp_sky_channel(k->sky, c)) {
+            outer.sky = gp_sky_channel(k->sky, c);
+            gp_parallel_do(b->h, find_outer, &outer);
+        }
         const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
         const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
         const float down = (float) (y % b->side) / (float) b->side;

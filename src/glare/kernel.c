@@ -177,6 +177,7 @@ static gp_status make_kernel(const struct gp_log *log,
                                 k.w, factor, c, &k, gp_row(k.k.c[c], k.w, y));
         k.norm2[c] = sqrt(square);
     }
+    k.over = k.negative ? (double) INFINITY : 1.0;
     *out = k;
     k = (struct gp_kernel) {0};
 out:

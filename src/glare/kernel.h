@@ -53,6 +53,8 @@ struct gp_kernel {
     double faint[3];      // sum of magnitudes that became 0, by channel
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0
+    double over; // magnitudes are at most so often the light of samples and
+                 // sky together: 1, or INFINITY where that is not known
     unsigned long serial; // by gp_serial_next(): two kernels with the same one
                           // are the same; 0: made by hand, nothing is known
     bool resampled;       // by an angle that is not right, or to another size

@@ -28,9 +28,11 @@ status_is 2 'no such projection'
 
 # -- error -----------------------------------------------------------------------
 
-for words in '--fov 30' '--fov 90' '--fov 120 --edges black' '--edges mirror'; do
+for words in '-k eye --fov 30' '-k eye --fov 90' '-k eye --fov 120 --edges black' \
+    '-k eye --edges mirror' '-k eye-night -e fft' '-k eye-night --fov 90 -t .5' \
+    '-k spencer:light=scotopic,halo=1,share=.5 -k eye-night --edges mirror'; do
     # shellcheck disable=SC2086
-    run --projection perspective $words -k eye --verify --layer l.exr \
+    run --projection perspective $words --verify --layer l.exr \
         --report r.json in.exr
     quiet_success "$words: verified"
     is "$(field r.json 'o["measured"]["rel_l2"] <= o["bound"]')" True \
@@ -251,7 +253,7 @@ like "$status $(cat err) $(field r.json 'o["bound"]')" '0 *a plane of 175*8 degr
 run -k aperture:share=0 -k eye --layer l.exr in.exr
 quiet_success 'an opening without a share'
 # what keeps one shape is said where light would go by angle, and over a sphere
-for words in '-k eye-night' '-k eye -k spencer:light=mesopic' '-e splat -k eye' \
+for words in '-e splat -k eye-night' '-e splat -k eye' \
     '-k eye -k streak --projection latlong' '-k aperture --projection latlong' \
     '-k star --projection fisheye'; do
     # shellcheck disable=SC2086

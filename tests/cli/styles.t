@@ -28,8 +28,7 @@ for style in $styles; do
     echo "glarepp --style $style in.exr"
 done >wanted
 run styles -o sheet.png --tonemap agx --report r.json in.exr
-like "$status $(cat err)" '0 *in.exr: its glare is that of a plane of 30 degrees*' \
-    'a sheet, of whose styles one has halo and needles'
+quiet_success 'a sheet'
 "$python" -c 'import json
 for line in open("r.json"):
     o = json.loads(line)

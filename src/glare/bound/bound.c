@@ -243,6 +243,22 @@ out:
     return st;
 }
 
+double gp_layer_some(const struct gp_glare_request *req)
+{
+    const struct gp_sources *const src = req->src;
+    const struct gp_kernel *const k = req->kernel;
+    const double kept = k->sky ? gp_sky_error_of(k->sky)->kept / k->over : 0.0;
+    double own = 0.0, all = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double centre = fmax((double) gp_kernel_centre(k, c), 0.0);
+        own += src->energy[c] * centre * centre;
+        all += src->flux[c] * src->flux[c];
+    }
+    return k->over < INFINITY
+               ? fmax(sqrt(own), kept * sqrt(all / ((double) src->w * src->h)))
+               : 0.0;
+}
+
 // -- underflow ----------------------------------------------------------------
 
 /* A value under FLT_MIN, 2^-126, may become 0. Of kernel samples that costs a
@@ -268,16 +284,11 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     const double beyond = // and of light from beyond the border
         (far + outer) * req->beyond * sqrt(3.0 * src->w * src->h);
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
-    double least = 0.0; // lower limit of the layer's norm; cheap ways first
+    // lower limit of the layer's norm; cheap ways first
+    double least = gp_layer_some(req);
     *floor = 0.0;
-    if (k->negative) // no engine guarantees anything
+    if (!(k->over < INFINITY)) // no engine guarantees anything
         return GP_OK;
-    // by what each source leaves in its own pixel
-    for (int c = 0; c < 3; c++) {
-        const double centre = (double) gp_kernel_centre(k, c);
-        least += src->energy[c] * centre * centre;
-    }
-    least = sqrt(least);
     if (least < enough) { // by a quarter of the kernel, in any frame
         struct gp_fft_quarters quarters;
         gp_fft_find_quarters(k, src->w, src->h, &quarters);
@@ -289,13 +300,6 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
         if (st)
             return st;
         least = fmax(least, other);
-    }
-    if (k->sky) { // by the sum of samples: their mean square is no less than the mean's
-        double sum = 0.0;
-        for (int c = 0; c < 3; c++)
-            sum += src->flux[c] * src->flux[c];
-        least = fmax(least, gp_sky_error_of(k->sky)->kept *
-                                sqrt(sum / ((double) src->w * src->h)));
     }
     // (light from beyond the border is rounded 4 times)
     *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;

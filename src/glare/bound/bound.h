@@ -16,6 +16,10 @@ GP_MUST_CHECK gp_status gp_layer_least(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     double *least);
 
+/* Such a limit at once: by what each source leaves in its own pixel, and of a sky by the
+ * sum of samples, whose mean square is no less than the mean's. */
+double gp_layer_some(const struct gp_glare_request *req);
+
 /* Limits for gp_pixel_bound(): of the composite's luminance Y, in which a
  * pixel's own part is all but the light of other pixels; and of a layer's
  * samples and errors, by channel. */

@@ -165,13 +165,11 @@ out:
 
 /* Bounds rel_l2 of the sum of n sources, as long as no product is under the range
  * of float: GROUP terms, each within 2^-24; then groups, whose sum is within
- * 2 * 2^-24 and n 2^-48 (Higham 2002, eq. 4.8); then the sum to the layer. INFINITY
- * for a kernel that is negative somewhere, whose light can cancel while the
- * rounding stays. */
+ * 2 * 2^-24 and n 2^-48 (Higham 2002, eq. 4.8); then the sum to the layer. Light of a
+ * kernel that is negative somewhere can cancel while the rounding stays. */
 static double bound_of(const struct gp_kernel *k, size_t n)
 {
-    return k->negative ? INFINITY
-                       : (GROUP + 4.0) * 0x1p-24 + (double) n * 0x1p-48;
+    return k->over * ((GROUP + 4.0) * 0x1p-24 + (double) n * 0x1p-48);
 }
 
 /* Length of the overlap of [at - c, at - c + n) and [0, limit). */

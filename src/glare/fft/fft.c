@@ -283,6 +283,13 @@ static double bound_of(const struct gp_glare_request *req,
                           OUTSIDE;
 }
 
+/* A lower limit of the layer's norm, of sources anywhere. */
+static double least_of(const struct gp_glare_request *req,
+                       const struct fft_state *s)
+{
+    return fmax(gp_fft_least(req->src, &s->quarters), gp_layer_some(req));
+}
+
 /* Bounds by the lower limit of the layer of sources anywhere and, where that is
  * over the tolerance, by the limit for these sources, which takes longer to
  * find than the layer. */
@@ -294,7 +301,7 @@ static gp_status bound_fft(const struct gp_glare_request *req, void **state,
     gp_status st = open_frame(req, state, &s);
     if (st)
         return st;
-    const double anywhere = gp_fft_least(req->src, &s->quarters);
+    const double anywhere = least_of(req, s);
     *out = bound_of(req, s, anywhere);
     if (*out <= (double) req->params->tolerance || req->kernel->negative)
         return GP_OK;
@@ -312,7 +319,7 @@ static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
     if (st)
         return st;
     *out = (struct gp_pixel_error) {
-        .relative = req->kernel->negative ? INFINITY : OUTSIDE,
+        .relative = req->kernel->over * OUTSIDE,
     };
     for (int c = 0; c < 3 && s->p.nx; c++)
         out->of[c] = noise_of(req, s, c) +
@@ -329,7 +336,7 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
     gp_status st = open_frame(req, state, &s);
     if (st)
         return st;
-    double least = gp_fft_least(src, &s->quarters);
+    double least = least_of(req, s);
     if (!(req->stats->bound > 0.0))
         req->stats->bound = bound_of(req, s, least);
     if (s->p.nx)

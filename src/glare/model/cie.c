@@ -116,8 +116,9 @@ static struct cie cie_of(const struct gp_recipe *r, bool sphere, double *light)
     return e;
 }
 
-static double cie_light(const struct gp_angular *a, double t)
+static double cie_light(const struct gp_angular *a, int c, double t)
 {
+    (void) c;
     const struct cie e = {a->v[0], a->v[1], {a->v[2], a->v[3]}, a->v[4] > 0.0};
     return cie_sky(&e, t);
 }

@@ -109,8 +109,9 @@ static struct moffat moffat_of(const struct gp_recipe *r)
     return m;
 }
 
-static double moffat_light(const struct gp_angular *a, double t)
+static double moffat_light(const struct gp_angular *a, int c, double t)
 {
+    (void) c;
     const struct moffat m = {a->v[0], a->v[1], a->v[2]};
     double v[3];
     moffat_profile(&m, t, v);

@@ -36,7 +36,8 @@
  * apart, and so are the rings that they make: w^2 = 0.159^2 + (0.19 r)^2. Rings
  * of colours that lie over each other are pale, red outside.
  *
- * The key `halo` scales its weight; what is not in the halo is not scattered.
+ * The key `halo` scales its weight; what is not in the halo is not scattered, in
+ * each channel: f0 has what the channel's halo leaves.
  * The paper has it strong, while the CIE's mean of many eyes (135/1) has none:
  * so by itself it is as far over the corona as one eye is over the mean of its
  * age, whose standard deviation is a factor of 10^0.1 (van den Berg et al., AJO
@@ -47,10 +48,11 @@ static const double HALO_WIDE = 0.159, FIBRES = 0.19; // sigma; of r
 #define HALO 0.18
 struct spencer {
     double weight[4];
+    double pale[3]; // of f0, by channel, more than weight[0]
     int channels;
     double factor;
     double nm[BANDS], rgb[BANDS][3];
-    const float *luminance; // of the primaries; borrowed
+    float luminance[3]; // of the primaries
 };
 
 double gp_spencer_term(int i, double t, double nm)
@@ -70,11 +72,12 @@ double gp_spencer_term(int i, double t, double nm)
  * Returns the part that is grey, of f0 to f2. */
 static double spencer_sky(const struct spencer *s, double t, double out[3])
 {
-    double grey = 0.0;
-    for (int i = 0; i < 3; i++)
+    const double unscattered = gp_spencer_term(0, t, 0.0);
+    double grey = s->weight[0] * unscattered;
+    for (int i = 1; i < 3; i++)
         grey += s->weight[i] * gp_spencer_term(i, t, 0.0);
     for (int c = 0; c < s->channels; c++)
-        out[c] = grey;
+        out[c] = grey + s->pale[c] * unscattered;
     if (s->channels == 1)
         return grey;
     for (int i = 0; i < BANDS; i++) {
@@ -174,7 +177,8 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
     const double at =
         fmin(fmax((spencer_pupil(r, f) - 3.0) / 2.0, 0.0), 2.0);
     const int i = at < 1.0 ? 0 : 1;
-    struct spencer s = {.factor = 1.0, .luminance = f->luminance};
+    struct spencer s = {.factor = 1.0};
+    memcpy(s.luminance, f->luminance, sizeof s.luminance);
     for (int k = 0; k < 4; k++)
         s.weight[k] = spencer_weights[i][k] +
                       (at - i) * (spencer_weights[i + 1][k] -
@@ -192,28 +196,31 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
         return gp_fail(log, GP_ERR_USAGE, "spencer: no luminance in the "
                        "frame's primaries; repair its chromaticities");
     s.factor = 1.0 / y;
+    for (int c = 0; c < s.channels && s.channels == 3; c++)
+        s.pale[c] = y - sum[c]; // f0 holds 1
     *out = s;
     return GP_OK;
 }
 
-static double spencer_light(const struct gp_angular *a, double t)
+static double spencer_light(const struct gp_angular *a, int c, double t)
 {
-    double sum = 0.0;
-    for (int i = 0; i < 3; i++)
-        sum += a->v[i] * gp_spencer_term(i, t, 0.0);
-    return sum;
+    struct spencer s;
+    double v[3];
+    memcpy(&s, a->v, sizeof s);
+    spencer_sky(&s, t, v);
+    return v[s.channels == 3 ? c : 0];
 }
 
 static bool spencer_angular(const struct gp_recipe *r, const struct gp_field *f,
                             struct gp_angular *out)
 {
     struct spencer s;
-    if (gp_recipe_value(r, "needles") >= 1.0 || spencer_of(NULL, r, f, &s) ||
-        s.channels != 1)
+    _Static_assert(sizeof s <= sizeof out->v, "its figures");
+    if (spencer_of(NULL, r, f, &s))
         return false;
-    *out = (struct gp_angular) {.light = spencer_light};
-    for (int i = 0; i < 3; i++)
-        out->v[i] = s.factor * s.weight[i];
+    *out =
+        (struct gp_angular) {.light = spencer_light, .tint = s.channels == 3};
+    memcpy(out->v, &s, sizeof s);
     return true;
 }
 
@@ -227,7 +234,13 @@ static bool spencer_angular(const struct gp_recipe *r, const struct gp_field *f,
  *
  * where m has mean 1 over the circle, so that each circle keeps its light, and
  * a falls from 1 to 0 between half of NEEDLE_END and that, where needles would
- * be wide. m is at least 1 - NEEDLE_CONTRAST. */
+ * be wide. m is at least 1 - NEEDLE_CONTRAST.
+ *
+ * Beside a corona by true angles needles have one shape all over the frame. Where a
+ * pixel's sides are a and b of those in the middle, a the longer one, that corona is
+ * a b f(a t) / f(t) of theirs at least: with f1 by 1 / a^2, nothing for a camera, with f2
+ * by b / a, which is less. As much of their contrast needles have, where it is least in
+ * the frame: no gap is darker than NEEDLE_CONTRAST has it. */
 static const double NEEDLE_END = 5.0; // degrees
 static const double NEEDLE_CONTRAST = 0.8;
 enum {
@@ -238,6 +251,7 @@ enum {
 struct needling {
     double f1, f2;     // the corona f1 / (t + 0.02)^3 + f2 / (t + 0.02)^2, per
                        // steradian
+    double side, area; // of the least pixel: a and a b
     double a, b, turn; // degrees of a pixel; turns
     int rx, ry;
     float *out;
@@ -302,9 +316,12 @@ static inline double second_at(const struct needling *m, double turns)
 static double corona_at(const struct needling *n, double t)
 {
     const double near = 1.0 / (t + 0.02), r = t * M_PI / 180.0, rr = r * r;
+    const double least = 1.0 / (n->side * t + 0.02);
     const double plane = (M_PI / 180.0) * (M_PI / 180.0) *
                          (1.0 - rr / 6.0 * (1.0 - rr / 20.0)); // sin(r) / r
-    return plane * near * near * (n->f1 * near + n->f2) * needle_fade(t);
+    return plane * needle_fade(t) *
+           fmin(near * near * (n->f1 * near + n->f2),
+                n->area * least * least * (n->f1 * least + n->f2));
 }
 
 /* Adds the needles of the pixels (x, y), (-x, y), (x, -y) and (-x, -y) to v.
@@ -419,14 +436,18 @@ static gp_status add_near(const struct gp_log *log, const struct needling *m,
     return GP_OK;
 }
 
-/* Makes a shape of what needles add to the even corona at offsets up to rx and
- * ry. Light that they miss goes to the light's own pixel: the sum is 0. */
+/* Makes a shape of what needles add to the even corona, where pixels have these sides
+ * at least, over those in the middle, the longer first. Light that they miss goes to the light's own pixel: the sum is 0. */
 static gp_status make_needles(const struct gp_log *log,
-    const struct gp_recipe *r, const struct spencer *s,
-    const struct gp_field *f, int rx, int ry, struct gp_shape *out)
+                              const struct gp_recipe *r,
+                              const struct spencer *s, const struct gp_field *f,
+                              const double least[2], struct gp_shape *out)
 {
     gp_status st;
     struct needling *m = NULL;
+    const double a = f->degrees * f->aspect, b = f->degrees;
+    const int rx = (int) fmin(ceil(NEEDLE_END / a), f->w - 1);
+    const int ry = (int) fmin(ceil(NEEDLE_END / b), f->h - 1);
     double rest = 0.0;
     const size_t w = 2 * (size_t) rx + 1, h = 2 * (size_t) ry + 1;
     GP_TRY(gp_samples_make(log, 1, rx, ry, out));
@@ -434,8 +455,13 @@ static gp_status make_needles(const struct gp_log *log,
     *m = (struct needling) {
         .f1 = s->factor * s->weight[1] * CORONA,
         .f2 = s->factor * s->weight[2] * CORONA_FAR,
-        .a = f->degrees * f->aspect, .b = f->degrees,
-        .turn = fmod(f->rotate / 360.0, 1.0), .rx = rx, .ry = ry,
+        .side = least[0],
+        .area = least[0] * least[1],
+        .a = a,
+        .b = b,
+        .turn = fmod(f->rotate / 360.0, 1.0),
+        .rx = rx,
+        .ry = ry,
         .out = ((struct gp_samples *) out->state)->k.c[0],
     };
     memset(m->out, 0, w * h * sizeof *m->out);
@@ -450,6 +476,48 @@ out:
     if (m)
         gp_free(m->sum);
     gp_free(m);
+    return st;
+}
+
+/* The sides of the pixel of a frame that is the least round, over those in the middle:
+ * the longer first. */
+static void find_sides(const struct gp_field *f, double side[2])
+{
+    const struct gp_projection *const p = &f->projection;
+    side[0] = side[1] = 1.0;
+    for (int i = 0; i < 9; i++) {
+        double at[2] = {(i % 3) * 0.5 * (f->seen_w - 1),
+                        (i / 3) * 0.5 * (f->seen_h - 1)};
+        gp_projection_pull(p, 0.0, at);
+        const struct gp_metric g = gp_projection_metric(p, at[0], at[1]);
+        const double x = g.xx / (p->dx * p->dx), y = g.yy / (p->dy * p->dy);
+        const double turn = g.xy / (p->dx * p->dy);
+        const double half = gp_hypot(0.5 * (x - y), turn), mid = 0.5 * (x + y);
+        const double a = sqrt(mid + half), b = sqrt(fmax(mid - half, 0.0));
+        if (b / a < side[1] / side[0]) {
+            side[0] = a;
+            side[1] = b;
+        }
+    }
+}
+
+/* Needles beside the corona by true angles. */
+static gp_status spencer_rest(const struct gp_log *log,
+                              const struct gp_recipe *r,
+                              const struct gp_field *f, struct gp_shape *out)
+{
+    static const double LONG = 10.0; // as around poles: none are left
+    double side[2];
+    struct spencer s;
+    gp_status st = spencer_of(log, r, f, &s);
+    find_sides(f, side);
+    if (st || !(gp_recipe_value(r, "needles") >= 1.0) ||
+        side[0] > LONG * side[1])
+        return st;
+    st = make_needles(log, r, &s, f, side, out);
+    // |n| <= (c + n) + c, and c <= (c + n) / (1 - NEEDLE_CONTRAST)
+    out->negative = true;
+    out->over = 1.0 + 1.0 / (1.0 - NEEDLE_CONTRAST);
     return st;
 }
 
@@ -566,7 +634,7 @@ static gp_status open_night(const struct gp_log *log,
     if (s->channels == 3)
         GP_TRY(gp_sky_shape(log, spencer_profile, s, 3, HALO_END, f, &n->halo));
     if (gp_recipe_value(r, "needles") >= 1.0)
-        GP_TRY(make_needles(log, r, s, f, n->rx, n->ry, &n->needles));
+        GP_TRY(make_needles(log, r, s, f, (double[]) {1.0, 1.0}, &n->needles));
     *out = (struct gp_shape) {
         .state = n, .free = free_night, .row = night_row, .far = night_far,
         .far_grey = true, .far_even = true, .least = night_least,
@@ -602,5 +670,6 @@ const struct gp_model gp_model_spencer = {
     .pupil = spencer_pupil,
     .adapts = spencer_adapts,
     .angular = spencer_angular,
+    .rest = spencer_rest,
     .open = open_spencer,
 };

@@ -47,6 +47,7 @@ struct mixture {
     bool image;          // a shape is of an image, whose tint is its own
     int n;
     bool grey, even, negative;
+    double over;  // as struct gp_kernel's
     double nodes; // samples are nodes, so many a pixel; else 0
     double wrong; // of nodes: gp_nodes_divide()'s
     struct gp_cosine_samples samples; // and owned
@@ -76,6 +77,8 @@ static void add_facts(struct mixture *m, const struct gp_shape *s)
     m->grey &= s->grey;
     m->even &= s->even;
     m->negative |= s->negative;
+    if (s->negative)
+        m->over = s->over > 0.0 ? fmax(m->over, s->over) : INFINITY;
     m->reach = gp_max(m->reach, s->reach);
     m->only_far &= is_smooth(s) && !s->far;
     if (!is_smooth(s)) {
@@ -120,27 +123,40 @@ static gp_status open_mixture(const struct gp_log *log,
 {
     double sum = 0.0;
     *m = (struct mixture) {
-        .grey = true, .even = true, .only_far = true, .far_grey = true,
-        .far_even = true, .stretch = fmax(field->aspect, 1.0 / field->aspect),
+        .grey = true,
+        .even = true,
+        .only_far = true,
+        .far_grey = true,
+        .far_even = true,
+        .over = 1.0,
+        .stretch = fmax(field->aspect, 1.0 / field->aspect),
     };
     for (int i = 0; i < n; i++) {
         const double share = gp_recipe_value(&r[i], "share");
+        struct gp_shape *const shape = &m->shape[m->n];
+        gp_status st = GP_OK;
         sum += share;
+        *shape = (struct gp_shape) {0};
         if (sky && sky->cosines && is_opening(&r[i]))
             continue;
         if (sky && r[i].model->angular && !gp_recipe_adapts(&r[i]) &&
             r[i].model->angular(&r[i], field, &sky->part[sky->n])) {
             sky->share[sky->n++] = share;
-            continue;
+            if (r[i].model->rest)
+                st = r[i].model->rest(log, &r[i], field, shape);
+        } else {
+            st = open_shape(log, &r[i], field, shape);
         }
-        gp_status st = open_shape(log, &r[i], field, &m->shape[m->n]);
         if (st) {
             close_mixture(m);
             return st;
         }
+        if (!shape->row)
+            continue;
         m->share[m->n] = share;
         m->image |= r[i].model == &gp_model_image;
-        add_facts(m, &m->shape[m->n++]);
+        add_facts(m, shape);
+        m->n++;
     }
     for (int i = 0; i < GP_RECIPES && sum > 1.0; i++) {
         m->share[i] /= sum;
@@ -394,6 +410,7 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
         GP_TRY(gp_nodes_divide(log, columns, rows, m->nodes, &f.k, &m->wrong));
     }
     st = gp_kernel_of_planes(log, "kernel", columns, rows, &f.k, out);
+    out->over = fmin(out->over, m->over);
 out:
     gp_planes_free(&f.k);
     return st;
@@ -587,6 +604,7 @@ static gp_status open_parts(const struct gp_log *log, const struct gp_recipe *r,
         .h = field->seen_h,
         .tolerance = field->tolerance,
     };
+    memcpy(p.luminance, field->luminance, sizeof p.luminance);
     const bool any = p.projection.kind != GP_PLANE;
     struct near near = {0};
     gp_status st = make_openings(log, r, n, field, &near, &p.cosines);

@@ -60,11 +60,13 @@ struct gp_field;
 struct gp_recipe;
 struct gp_shape; // model_priv.h
 
-/* A model of the angle alone, the same in all channels and directions. */
+/* A model of the angle alone, the same in all directions. */
 struct gp_angular {
-    /* Light per steradian t degrees from its source, 0 to 100, up to a factor. */
-    double (*light)(const struct gp_angular *a, double t);
-    double v[6];  // the model's own figures
+    /* Light of channel c per steradian t degrees from its source, 0 to 100, up to a
+     * factor. */
+    double (*light)(const struct gp_angular *a, int c, double t);
+    double v[96]; // the model's own figures
+    bool tint;    // channels differ, as much light as each has
     double stays; // light that stays in its pixel: 0 to 1
     double bends; // degrees within which light may bend on any scale, not only
                   // on that of the angle
@@ -80,10 +82,14 @@ struct gp_model {
     double (*pupil)(const struct gp_recipe *r, const struct gp_field *f);
     bool (*adapts)(const struct gp_recipe *r);
 
-    /* Finds the recipe as a model of the angle alone; false: it is none. NULL: it
-     * never is. */
+    /* Finds the recipe as a model of the angle; false: it is none. NULL: it never
+     * is. */
     bool (*angular)(const struct gp_recipe *r, const struct gp_field *f,
                     struct gp_angular *out);
+    /* open() of what it has beside that, the same in all the frame, as in its middle,
+     * whose sum is 0; row stays NULL where it has nothing. NULL: it never has. */
+    gp_status (*rest)(const struct gp_log *log, const struct gp_recipe *r,
+                      const struct gp_field *f, struct gp_shape *out);
 
     /* Evaluates what depends on recipe and field. The shape's luminance sums to
      * 1 over the hemisphere (over the plane for what has no angle).

@@ -121,9 +121,9 @@ static void gather_few(const struct adding *a, int y, float *line)
         const int x = src->x[i];
         const float omega =
             (float) gp_projection_solid(&a->sky->p.projection, x, y);
-        for (size_t c = 0; c < 3; c++) {
+        for (int c = a->sky->from; c < a->sky->to; c++) {
             const float v = omega * src->rgb[c][i];
-            float *const node = line + c * pitch + (size_t) (x >> 1);
+            float *const node = line + (size_t) c * pitch + (size_t) (x >> 1);
             for (int k = 0; k < GP_SKY_TAPS; k++)
                 node[k] += v * B1[x & 1][k];
         }
@@ -176,11 +176,11 @@ static void gather_many(const struct adding *a, int y, float *line,
     const size_t half = gp_sky_row_room(src->w / 2 + 2 * BEFORE);
     float *const solid = scratch + 2 * half, *const even = scratch + BEFORE;
     gp_projection_solid_row(&a->sky->p.projection, 0.0, y, src->w, solid);
-    for (size_t c = 0; c < 3; c++) {
+    for (int c = a->sky->from; c < a->sky->to; c++) {
         memset(scratch, 0, 2 * half * sizeof *scratch);
         lay_apart(a, y, src->rgb[c], solid, even, even + half);
         gather_row(even, even + half, (src->w + 1) / 2 + BEFORE,
-                   line + c * a->light[1].pitch);
+                   line + (size_t) c * a->light[1].pitch);
     }
 }
 
@@ -216,12 +216,12 @@ static void gather_band(void *ctx, int band, int thread)
                 if (k >= 0 && k < GP_SKY_TAPS)
                     at[r] = B1[r & 1][k];
             }
-            for (size_t c = 0; c < 3; c++) {
-                const float *const v = lines + c * to->pitch;
+            for (int c = a->sky->from; c < a->sky->to; c++) {
+                const float *const v = lines + (size_t) c * to->pitch;
                 const float *const line[ROWS] = {v, v + row, v + 2 * row,
                                                  v + 3 * row};
                 gp_sky_add_four(line, at, (size_t) to->w,
-                                gp_sky_grid_row(to, (int) c, g));
+                                gp_sky_grid_row(to, c, g));
             }
         }
     }
@@ -235,7 +235,7 @@ static void halve_row(void *ctx, int i, int thread)
     const struct adding *const a = ctx;
     const struct gp_sky_grid *const to = &a->light[a->level];
     const struct gp_sky_grid *const from = &a->light[a->level - 1];
-    const int c = i / to->h, g = i % to->h;
+    const int c = a->sky->from + i / to->h, g = i % to->h;
     float *const out = gp_sky_grid_row(to, c, g);
     float *const line = a->scratch + (size_t) thread * a->room + 4;
     // nodes before and after those of `from` are black
@@ -270,7 +270,7 @@ static void spread_last(void *ctx, int i, int thread)
     (void) thread;
     const float *const w =
         a->sky->pairs + (size_t) i * (size_t) n * (size_t) a->sky->level[l].h;
-    for (int c = 0; c < 3; c++) {
+    for (int c = a->sky->from; c < a->sky->to; c++) {
         float sum = 0.0f;
         for (int y = 0; y < a->sky->level[l].h; y++)
             sum += dot_row(w + (size_t) y * (size_t) n,
@@ -374,7 +374,7 @@ static void find_row(void *ctx, int i, int thread)
 {
     const struct adding *const a = ctx;
     const struct gp_sky_level *const g = &a->sky->level[a->level];
-    const int c = i / g->h, y = i % g->h;
+    const int c = a->sky->from + i / g->h, y = i % g->h;
     const size_t w = (size_t) g->w;
     float *const line = a->scratch + (size_t) thread * a->room + REACH;
     float *const out = a->node[a->level].c[c] + (size_t) y * w;
@@ -422,8 +422,8 @@ GP_CLONES static void stay_row(const struct adding *a, int y, float *own,
             end - i >= GP_SKY_BLOCK && // pixels side by side
             src->x[i + GP_SKY_BLOCK - 1] == src->x[i] + GP_SKY_BLOCK - 1;
         n = all ? GP_SKY_BLOCK : 1;
-        for (size_t c = 0; c < 3; c++) {
-            float *const to = rows + c * apart + (size_t) src->x[i];
+        for (int c = a->sky->from; c < a->sky->to; c++) {
+            float *const to = rows + (size_t) c * apart + (size_t) src->x[i];
             const float *const v = src->rgb[c] + i, *const by =
                                                         own + (i - first);
             const float more = a->d->more[c];
@@ -460,7 +460,7 @@ static void finish_band(void *ctx, int band, int thread)
         const int y = first + r;
         float *const row = rows + (size_t) r * 3 * wide;
         stay_row(a, y, line, row, wide);
-        for (int c = 0; c < 3; c++) {
+        for (int c = a->sky->from; c < a->sky->to; c++) {
             const float *from[GP_SKY_TAPS];
             for (int k = 0; k < GP_SKY_TAPS; k++)
                 from[k] = a->node[1].c[c] + (size_t) ((y >> 1) + k) * nodes;
@@ -545,7 +545,7 @@ static gp_status add_levels(const struct gp_log *log, const struct gp_sky *sky,
     struct gp_sources within = {0};
     struct gp_sky_drawing own = *d;
     struct adding a = {.sky = sky, .d = &own};
-    const int last = sky->levels - 1;
+    const int last = sky->levels - 1, channels = sky->to - sky->from;
     gp_status st;
     if (sky->p.projection.rim > 0.0) {
         GP_TRY(take_within(log, &sky->p.projection, d->src, &within));
@@ -555,13 +555,13 @@ static gp_status add_levels(const struct gp_log *log, const struct gp_sky *sky,
     GP_TRY(gp_sky_index_make(log, own.src, &a.index));
     gp_parallel_do((a.light[1].h + BAND - 1) / BAND, gather_band, &a);
     for (a.level = 2; a.level <= last; a.level++)
-        gp_parallel_do(3 * a.light[a.level].h, halve_row, &a);
+        gp_parallel_do(channels * a.light[a.level].h, halve_row, &a);
     gp_parallel_do(sky->level[last].w * sky->level[last].h, spread_last, &a);
     for (a.level = last; a.level >= 1; a.level--) {
         const struct gp_sky_level *const g = &sky->level[a.level];
         if (a.level < last && !sky->single)
             gp_parallel_do((g->h + g->rows - 1) / g->rows, spread_rows, &a);
-        gp_parallel_do(3 * g->h, find_row, &a);
+        gp_parallel_do(channels * g->h, find_row, &a);
     }
     gp_parallel_do((d->src->h + BAND - 1) / BAND, finish_band, &a);
 out:
@@ -580,14 +580,13 @@ gp_status gp_sky_add(const struct gp_log *log, const struct gp_sky *sky,
                      const struct gp_sky_drawing *d)
 {
     struct gp_sky_drawing own = *d;
-    if (sky->sphere)
-        return gp_sky_sphere_add(log, sky, d);
+    gp_status st = GP_OK;
     if (sky->p.cosines) {
-        const gp_status st = add_cosines(log, sky, d);
-        if (st)
-            return st;
+        st = add_cosines(log, sky, d);
         own.add = true;
         memset(own.more, 0, sizeof own.more);
     }
-    return sky->p.n ? add_levels(log, sky, &own) : GP_OK;
+    for (; sky && sky->p.n && !st; sky = sky->next)
+        st = (sky->sphere ? gp_sky_sphere_add : add_levels)(log, sky, &own);
+    return st;
 }

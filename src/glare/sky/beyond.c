@@ -100,7 +100,7 @@ static void add_group(const struct beyond *b, const struct group *g,
             if (single && fmax(fabs(at[0] - g->x), fabs(at[1] - g->y)) < FAR)
                 v = gp_sky_share(s, at, from) /
                     gp_projection_solid(p, g->x, g->y);
-            for (int k = 0; k < 3; k++)
+            for (int k = s->from; k < s->to; k++)
                 b->layer->c[k][(size_t) y * w + (size_t) x] +=
                     (float) (v * g->rgb[k]);
         }
@@ -183,8 +183,9 @@ gp_status gp_kernel_add_beyond(const struct gp_log *log,
     if (!sky->p.n)
         goto out;
     GP_TRY(make_groups(log, source, n, &b));
-    gp_parallel_do((w + TILE - 1) / TILE * ((h + TILE - 1) / TILE), add_tile,
-                   &b);
+    for (; b.s; b.s = b.s->next)
+        gp_parallel_do((w + TILE - 1) / TILE * ((h + TILE - 1) / TILE),
+                       add_tile, &b);
 out:
     gp_cosines_kept_free(&kept);
     for (int l = 0; l < b.levels; l++)

@@ -85,8 +85,8 @@ static void exact_row(void *ctx, int y, int thread)
             continue;
         if (seen)
             (e->sky->sphere ? sum_sphere : sum_pixel)(e->sky, src, x, y, sum);
-        for (size_t k = 0; k < 3; k++) {
-            double *const to = &e->layer[k * plane + i];
+        for (int k = e->sky->from; k < e->sky->to; k++) {
+            double *const to = &e->layer[(size_t) k * plane + i];
             *to = seen ? *to + sum[k] : 0.0;
         }
     }
@@ -98,7 +98,7 @@ gp_status gp_sky_exact(const struct gp_log *log, const struct gp_sky *sky,
     struct exact e = {sky, src, layer};
     struct gp_source *list = NULL;
     gp_status st = GP_OK;
-    if (sky->p.n)
+    for (; e.sky && sky->p.n; e.sky = e.sky->next)
         gp_parallel_do(src->h, exact_row, &e);
     if (sky->p.cosines && src->n) {
         GP_TRY(gp_sources_list(log, src, &list));

@@ -9,34 +9,36 @@
 
 static const double LAST = 100.0; // degrees
 
-/* Light per steradian of model i. No formula reaches farther than 100 degrees: light
+/* Light per steradian of channel c of model i. No formula reaches farther than 100 degrees: light
  * from behind is as from there. */
-static double light_of(const struct gp_sky_params *p, int i, double chord2)
+static double light_of(const struct gp_sky_params *p, int c, int i,
+                       double chord2)
 {
     const double t =
         2.0 * gp_asin(0.5 * sqrt(fmin(chord2, 4.0))) * (180.0 / M_PI);
-    return p->part[i].light(&p->part[i], fmin(t, LAST));
+    return p->part[i].light(&p->part[i], c, fmin(t, LAST));
 }
 
 /* The light of model i over the sphere: d Omega = pi d(chord^2), by octaves. */
-static double sphere_of(const struct gp_sky_params *p, int i)
+static double sphere_of(const struct gp_sky_params *p, int c, int i)
 {
     enum { OCTAVES = 64 };
     const struct gp_gauss *const g = gp_gauss_rule(12);
     const double last = 2.0 - 2.0 * gp_cos(LAST * M_PI / 180.0);
-    double sum = M_PI * (4.0 - last) * light_of(p, i, 4.0); // from behind
+    double sum = M_PI * (4.0 - last) * light_of(p, c, i, 4.0); // from behind
     for (int k = 0; k < OCTAVES; k++) {
         const double to = ldexp(last, -k),
                      from = k < OCTAVES - 1 ? 0.5 * to : 0.0;
         for (int q = 0; q < g->n; q++)
-            sum += g->weight[q] * (to - from) * M_PI *
-                   light_of(p, i, 0.5 * (from + to) + (to - from) * g->node[q]);
+            sum +=
+                g->weight[q] * (to - from) * M_PI *
+                light_of(p, c, i, 0.5 * (from + to) + (to - from) * g->node[q]);
     }
     return sum;
 }
 
 gp_status gp_sky_light_make(const struct gp_log *log,
-                            const struct gp_sky_params *p,
+                            const struct gp_sky_params *p, int channel,
                             struct gp_sky_light *out)
 {
     static const double H = 1e-3;       // of chord^2, for slopes
@@ -56,15 +58,15 @@ gp_status gp_sky_light_make(const struct gp_log *log,
     for (int k = 0; k < p->n; k++) {
         // all but what stays, over the sphere
         const double share = p->share[k] * (1.0 - p->part[k].stays);
-        const double by = share / sphere_of(p, k);
+        const double by = share / sphere_of(p, channel, k);
         l.stays += p->share[k] - share;
         for (int i = 0; i <= l.curve.n; i++) {
             double step, *const v = l.curve.value + 2 * i;
             const double c = gp_curve_square(&l.curve, i, &step);
-            v[0] += by * light_of(p, k, c);
-            v[1] +=
-                by * step / (2.0 * H * c) *
-                (light_of(p, k, c * (1.0 + H)) - light_of(p, k, c * (1.0 - H)));
+            v[0] += by * light_of(p, channel, k, c);
+            v[1] += by * step / (2.0 * H * c) *
+                    (light_of(p, channel, k, c * (1.0 + H)) -
+                     light_of(p, channel, k, c * (1.0 - H)));
         }
     }
     *out = l;

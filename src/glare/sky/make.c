@@ -355,25 +355,29 @@ static void find_kept(struct gp_sky *s)
                     least * least * least;
 }
 
-gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
-                      struct gp_sky **out)
+/* gp_sky_make() of the channels [from, to), or of all. */
+static gp_status make_channels(const struct gp_log *log,
+                               const struct gp_sky_params *p, int from, int to,
+                               struct gp_sky **out)
 {
     // pixels that are summed one by one grow with its square, errors fall with its
     // fourth power
-    static const double RATIOS[] = {3.7, 4.5, 8.0};
+    static const double RATIOS[] = {3.7, 4.5, 5.2, 8.0};
     static const double MIDDLE = 1e-3; // pixels that weights do not notice
     // a tolerance that one weight a node may keep; the ratio by which the last level
     // goes on where those before it end
     static const double SINGLE = 5e-3, MEETS = 1.1;
-    enum { LAST = 2 };
+    enum { TINT = 2, LAST = 3 }; // (halos bend on less than their angle)
     const double tolerance = p->tolerance > 0.0 ? p->tolerance : 1e-3;
-    int i = tolerance < 1e-4 ? LAST : 0;
+    int i = tolerance < 1e-4 ? LAST : to - from < 3 ? TINT : 0;
     gp_status st;
     struct gp_sky *s = NULL;
     struct gp_cosines *taken = p->cosines;
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
     s->p = *p;
     taken = NULL;
+    s->from = from;
+    s->to = to;
     s->ratio = RATIOS[i];
     s->error.cosines = p->cosines ? gp_cosines_wrong(p->cosines) : 0.0;
     if (!p->n) {
@@ -384,7 +388,7 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     }
     if (!is_served(s))
         goto out;
-    GP_TRY(gp_sky_light_make(log, p, &s->light));
+    GP_TRY(gp_sky_light_make(log, p, from, &s->light));
     if (p->projection.kind == GP_LATLONG) {
         GP_TRY(make_sphere(log, s));
         if (s->sphere) {
@@ -399,7 +403,8 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
     s->even[1] = fabs(p->projection.y0 - 0.5 * (p->h - 1)) < MIDDLE;
     GP_TRY(gp_sky_outside_make(log, s));
     GP_TRY(gp_sky_outside_table(log, s));
-    if (tolerance >= SINGLE && s->levels > 2)
+    // (a halo is no sum of pyramids)
+    if (tolerance >= SINGLE && s->levels > 2 && to - from == 3)
         GP_TRY(make_levels(log, MEETS, true, s));
     while (!s->level[0].weight ||
            (s->error.relative > 0.99 * tolerance && i <= LAST))
@@ -412,10 +417,37 @@ out:
     return st;
 }
 
+gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
+                      struct gp_sky **out)
+{
+    struct gp_sky_params own = *p;
+    struct gp_sky *s = NULL, **last = &s;
+    bool tint = false;
+    gp_status st = GP_OK;
+    for (int i = 0; i < p->n; i++)
+        tint |= p->part[i].tint;
+    for (int c = 0; c < (tint ? 3 : 1); c++) {
+        GP_TRY(make_channels(log, &own, tint ? c : 0, tint ? c + 1 : 3, last));
+        if (!*last)
+            goto out;
+        struct gp_sky_error *const e = &s->error, *const more = &(*last)->error;
+        e->relative = fmax(e->relative, more->relative);
+        e->outside = fmax(e->outside, more->outside);
+        e->kept = fmin(e->kept, more->kept);
+        own.cosines = NULL; // the first has them
+        last = &(*last)->next;
+    }
+    *out = s;
+    s = NULL;
+out:
+    gp_sky_free(&s);
+    return st;
+}
+
 void gp_sky_free(struct gp_sky **sky)
 {
-    struct gp_sky *const s = *sky;
-    if (s) {
+    for (struct gp_sky *s = *sky, *next; s; s = next) {
+        next = s->next;
         free_levels(s);
         gp_sky_sphere_free(&s->sphere);
         gp_free(s->light.curve.value);
@@ -424,22 +456,46 @@ void gp_sky_free(struct gp_sky **sky)
         gp_free(s->outer_at[1]);
         gp_free(s->outside);
         gp_cosines_free(&s->p.cosines);
+        gp_free(s);
     }
-    GP_FREE(*sky);
+    *sky = NULL;
+}
+
+const struct gp_sky *gp_sky_channel(const struct gp_sky *s, int c)
+{
+    while (c >= s->to)
+        s = s->next;
+    return s;
+}
+
+/* What stays in pixels of so many places, or of a sphere's rows. */
+static double *own_of(const struct gp_sky *s, int *n)
+{
+    *n = s->sphere ? s->sphere->h
+         : s->own  ? s->places.n[0] * s->places.n[1]
+                   : 0;
+    return s->sphere ? s->sphere->own : s->own;
 }
 
 double gp_sky_give(struct gp_sky *s)
 {
-    double least = INFINITY, *const own = s->sphere ? s->sphere->own : s->own;
-    const int n = s->sphere ? s->sphere->h : s->places.n[0] * s->places.n[1];
     static const double LEAST = 1e-20; // not 0, which would be no kernel
-    for (int i = 0; i < n; i++)
-        least = fmin(least, own[i]);
+    double least = s->p.n ? INFINITY : 0.0;
+    int n;
+    for (const struct gp_sky *one = s; one; one = one->next) {
+        const double *const own = own_of(one, &n);
+        for (int i = 0; i < n; i++)
+            least = fmin(least, own[i]);
+    }
     // cubics between places may be lower
-    s->given = (double) (float) fmax(n ? 0.9 * least : 0.0, LEAST);
-    for (int i = 0; i < n; i++)
-        own[i] -= s->given;
-    return s->given;
+    const double given = (double) (float) fmax(0.9 * least, LEAST);
+    for (; s; s = s->next) {
+        double *const own = own_of(s, &n);
+        for (int i = 0; i < n; i++)
+            own[i] -= given;
+        s->given = given;
+    }
+    return given;
 }
 
 double gp_sky_given(const struct gp_sky *s)
@@ -455,8 +511,11 @@ double gp_sky_light(const struct gp_sky *s)
 
 double gp_sky_left_out(const struct gp_sky *s, double x, double y)
 {
-    return gp_sky_outside(s, x, y) +
-           (s->p.cosines ? gp_cosines_outside(s->p.cosines, x, y) : 0.0);
+    double sum = s->p.cosines ? gp_cosines_outside(s->p.cosines, x, y) : 0.0;
+    for (int c = 0; c < (s->next ? 3 : 1); c++)
+        sum += (s->next ? (double) s->p.luminance[c] : 1.0) *
+               gp_sky_outside(gp_sky_channel(s, c), x, y);
+    return sum;
 }
 
 struct gp_cosines *gp_sky_cosines(const struct gp_sky *s)

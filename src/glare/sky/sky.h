@@ -24,7 +24,8 @@
  * comes back the same way. Each term ends at A(l + 1), so that a grid costs a
  * quarter of the one before it, and all together a third of the first term.
  * Weights are those of true angles at every place of every grid. Where a tolerance
- * allows it, from 5e-3 on, a node spreads to itself alone: single.c.
+ * allows it, from 5e-3 on, a node spreads to itself alone: single.c; of light with a
+ * tint none, of which each channel has levels of its own.
  *
  * Light that an opening diffracts goes by direction cosines: cosines.h. */
 #ifndef GP_GLARE_SKY_H
@@ -47,6 +48,7 @@ struct gp_sky_params {
     struct gp_projection projection; // not PLANE; places count from the frame's
                                      // corner
     int w, h;                        // of the frame, pixels
+    float luminance[3];              // weights of its channels
     double tolerance;                // of rel_l2
     struct gp_cosines *cosines;      // NULL: none; gp_sky_make() takes them
 };
@@ -61,6 +63,9 @@ GP_MUST_CHECK gp_status gp_sky_make(const struct gp_log *log,
                                     const struct gp_sky_params *p,
                                     struct gp_sky **out);
 void gp_sky_free(struct gp_sky **sky);
+
+/* The sky of channel c, for the functions that say so; itself without a tint. */
+const struct gp_sky *gp_sky_channel(const struct gp_sky *sky, int c);
 
 /* Takes the least share that stays in a pixel anywhere, a float, out of what the
  * levels leave there, for a kernel to have as its centre; and what it took. */
@@ -83,8 +88,8 @@ GP_MUST_CHECK gp_status gp_sky_add(const struct gp_log *log,
                                    const struct gp_sky *sky,
                                    const struct gp_sky_drawing *d);
 
-/* Fills `own` with the share of its light that the levels leave in each of n pixels,
- * of columns x, which ascend, in row y of a frame of w x h pixels in the middle of
+/* Fills `own` with the share of its light that a channel's levels leave in each of n
+ * pixels, of columns x, which ascend, in row y of a frame of w x h pixels in the middle of
  * those that they are for. */
 void gp_sky_own(const struct gp_sky *sky, int w, int h, int y, const int32_t *x,
                 size_t n, float *own);
@@ -112,11 +117,11 @@ const char *gp_sky_way(const struct gp_sky *sky);
  * pixel. */
 double gp_sky_light(const struct gp_sky *sky);
 
-/* The share of the light of a source at (x, y) that falls outside of the frame. */
+/* The share of the light of a white source at (x, y) that falls outside of the frame. */
 double gp_sky_left_out(const struct gp_sky *sky, double x, double y);
 
-/* The same of levels: as much of a pixel's glare comes from there where the sky is
- * even. */
+/* The same of a channel's levels: as much of a pixel's glare comes from there where the
+ * sky is even. */
 double gp_sky_outside(const struct gp_sky *sky, double x, double y);
 
 /* Fills `row` with it; between places that are denser towards the border, within

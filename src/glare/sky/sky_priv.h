@@ -65,6 +65,8 @@ struct gp_sky_single; // single.c
 
 struct gp_sky {
     struct gp_sky_params p;
+    int from, to;        // channels [from, to) that it is for: all of them, ...
+    struct gp_sky *next; // ... or one, and that of the next one; owned
     struct gp_sky_light light;
     double ratio;                 // root of A, in steps of the level
     struct gp_sky_single *single; // levels but the last have one weight a node,
@@ -93,8 +95,9 @@ struct gp_sky {
 
 // -- light.c ------------------------------------------------------------------
 
+/* The light of channel c. */
 GP_MUST_CHECK gp_status gp_sky_light_make(const struct gp_log *log,
-                                          const struct gp_sky_params *p,
+                                          const struct gp_sky_params *p, int c,
                                           struct gp_sky_light *out);
 
 /* P_A; of A = 0 P itself. */

@@ -41,7 +41,7 @@ static void load_row(const void *ctx, int c, int y, float *z)
     const struct adding *const a = ctx;
     const struct gp_sources *const src = a->d->src;
     const int row = y - a->o->y0;
-    if (row < 0 || row >= src->h)
+    if (row < 0 || row >= src->h || c < a->s->from || c >= a->s->to)
         return;
     const float solid =
         (float) gp_projection_solid(&a->s->p.projection, 0.0, y);
@@ -55,7 +55,7 @@ static void store_row(const void *ctx, int c, int y, const float *z)
     const struct gp_sources *const src = a->d->src;
     const int row = y - a->o->y0, w = src->w;
     const float by = 0.5f / (float) a->o->w;
-    if (row < 0 || row >= src->h)
+    if (row < 0 || row >= src->h || c < a->s->from || c >= a->s->to)
         return;
     float *const to = a->d->layer->c[c] + (size_t) row * (size_t) w;
     for (int x = 0, at = a->o->x0; x < w; x++, at++) {
@@ -422,9 +422,9 @@ static void finish_band(void *ctx, int band, int thread)
             memset(line, 0, 3 * room * sizeof *line);
         for (int s = from; s < end && lit; s++)
             add_arc(a, row, s, light + (size_t) (s - top) * 3 * room, line);
-        for (size_t c = 0; c < 3; c++)
-            finish_row(a, y, c, (float) o->own[row] + d->more[c],
-                       line + c * room + o->margin, lit);
+        for (int c = a->s->from; c < a->s->to; c++)
+            finish_row(a, y, (size_t) c, (float) o->own[row] + d->more[c],
+                       line + (size_t) c * room + o->margin, lit);
     }
 }
 

@@ -3,6 +3,7 @@
 #include "unit.h"
 #include "core/colour.h"
 #include "glare/model/model_priv.h"
+#include "glare/sky/sky_priv.h"
 #include "model_scene.h"
 
 static struct gp_field plain;
@@ -124,8 +125,8 @@ static void total_equation_is_absolute(void **state)
                 (1 + 1.6 * a4) * (400 / z + 3e-8 * t * t +
                                   p * (1300 / pow(z, 1.5) + 0.8 / sqrt(z))) +
                 2.5e-3 * p;
-            if (!(fabs(a.light(&a, t) / want - 1.0) <= (k ? 3e-3 : 3e-2)))
-                fail_msg("%s at %g: %.4f of %.4f", text, t, a.light(&a, t),
+            if (!(fabs(a.light(&a, 0, t) / want - 1.0) <= (k ? 3e-3 : 3e-2)))
+                fail_msg("%s at %g: %.4f of %.4f", text, t, a.light(&a, 0, t),
                          want);
         }
         gp_recipe_free(&r);
@@ -307,6 +308,47 @@ static void a_fifth_is_no_needles(void **state)
         gp_kernel_free(&k[i]);
 }
 
+/* Beside a corona by true angles needles sum to 0, and off a single one take .8 of it
+ * where a pixel is the least round. */
+static void needles_leave_a_fifth_all_over(void **state)
+{
+    static const double fovs[] = {30, 60, 90};
+    enum { W = 640, H = 360 };
+    struct gp_recipe r = scene_recipe("spencer:light=mesopic,halo=0,needles=1");
+    struct gp_angular a;
+    struct gp_kernel k;
+    (void) state;
+    for (size_t i = 0; i < COUNT(fovs); i++) {
+        const struct gp_rect window = {0, 0, W, H};
+        struct gp_field f = plain;
+        f.w = f.seen_w = W;
+        f.h = f.seen_h = H;
+        struct gp_projection *const p = &f.projection;
+        *p = gp_projection_of(GP_PERSPECTIVE, window, 1.0, fovs[i]);
+        f.degrees = p->dy * (180.0 / M_PI);
+        p->x0 -= 0.5;
+        p->y0 -= 0.5;
+        assert_true(r.model->angular(&r, &f, &a));
+        assert_ok(gp_model_kernel(NULL, &r, 1, &f, &k));
+        assert_true(k.sky && k.negative && fabs(k.over - 6.0) < 1e-9);
+        assert_true(fabs(k.sum[0] - gp_sky_given(k.sky)) < 1e-5);
+        double least = 0.0;
+        for (int q = 0; q < k.w * k.h; q++) { // of a lamp in a corner
+            const double x = q % k.w - k.cx, y = q / k.w - k.cy;
+            const double from[2] = {0.0, 0.0}, at[2] = {x, y};
+            const double reach = hypot(x, y) * f.degrees;
+            const double corona = gp_sky_share(k.sky, at, from);
+            const double v = (double) k.k.c[0][q];
+            if (reach > 4.0 * f.degrees && reach < 2.4)
+                least = fmin(least, v / corona);
+        }
+        print_message("%g degrees: %.4f of the corona\n", fovs[i], least);
+        assert_true(least > -0.81 && least < -0.7);
+        gp_kernel_free(&k);
+    }
+    gp_recipe_free(&r);
+}
+
 /* A halo adds, in luminance, its weight of eqs. 7 and 8 times f3. */
 static void halos_have_their_weights(void **state)
 {
@@ -372,8 +414,19 @@ static void halo_is_added_to_the_corona(void **state)
     for (size_t row = 0; row < COUNT(rows); row++) {
         struct gp_recipe r = scene_recipe(rows[row].recipe);
         struct gp_shape s;
+        struct gp_angular a;
         double strongest = 1.0;
         assert_ok(r.model->open(NULL, &r, &plain, &s));
+        assert_true(r.model->angular(&r, &plain, &a));
+        assert_true(a.tint == (rows[row].halo > 0.0));
+        double all[3] = {0}; // of each channel, over the sphere
+        for (int i = 0; i < 3 * 3000; i++) {
+            const double t = 1e-5 * exp2(i / 3 * 0.008);
+            all[i % 3] += t * sin(fmin(t, 180.0) * M_PI / 180.0) *
+                          a.light(&a, i % 3, fmin(t, 100.0));
+        }
+        assert_true(fabs(all[1] / all[0] - 1.0) < 1e-5);
+        assert_true(fabs(all[2] / all[0] - 1.0) < 1e-5);
         assert_true(s.grey == !(rows[row].halo > 0.0));
         for (int x = 60; x <= 160; x++) { // 1.7 to 4.4 degrees
             const double t = x * plain.degrees;
@@ -391,6 +444,8 @@ static void halo_is_added_to_the_corona(void **state)
                                gp_spencer_term(3, t, nm[i]);
             }
             gp_gamut_fold(plain.luminance, want);
+            for (int c = 0; c < 3; c++)
+                assert_true(fabs(a.light(&a, c, t) - want[c]) < 1e-9 * grey);
             const double area =
                 gp_plane_factor(t) * plain.degrees * plain.degrees;
             for (int c = 0; c < 3; c++) {
@@ -417,5 +472,5 @@ SUITE_OF(model_eye, start, NULL, light_goes_as_far_as_published,
          spencers_weights_are_published, total_equation_is_absolute,
          general_equation_is_the_cies, eyes_adapt_to_frames,
          needles_stay_on_their_circles, needles_end_where_they_are_said_to,
-         a_fifth_is_no_needles, halos_have_their_weights,
-         halo_is_added_to_the_corona)
+         a_fifth_is_no_needles, needles_leave_a_fifth_all_over,
+         halos_have_their_weights, halo_is_added_to_the_corona)

@@ -9,6 +9,9 @@
 #include "glare_scene.h"
 #include "model_scene.h"
 
+/* A model whose channels differ. */
+#define TINT "spencer:light=scotopic,halo=1"
+
 /* Parameters of frames of a projection; places count from the first pixel. */
 static inline struct gp_sky_params sky_params(const char *recipe,
                                               enum gp_projecting kind, int w,
@@ -26,6 +29,7 @@ static inline struct gp_sky_params sky_params(const char *recipe,
         .projection =
             gp_projection_of(kind, (struct gp_rect) {0, 0, w, h}, 1.0, fov),
     };
+    memcpy(p.luminance, field.luminance, sizeof p.luminance);
     p.projection.x0 -= 0.5;
     p.projection.y0 -= 0.5;
     assert_true(r.model->angular(&r, &field, &p.part[0]));

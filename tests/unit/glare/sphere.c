@@ -100,7 +100,7 @@ static void the_definition_is_the_formula(void **state)
     double whole = 0.0;                // of the formula, over the sphere
     for (int i = 0; i < 200000; i++) { // by angle, denser towards 0
         const double u = (i + 0.5) / 200000.0, t = 180.0 * u * u * u * u;
-        whole += p.part[0].light(&p.part[0], fmin(t, 100.0)) * 2.0 * M_PI *
+        whole += p.part[0].light(&p.part[0], 0, fmin(t, 100.0)) * 2.0 * M_PI *
                  sin(t * M_PI / 180.0) * M_PI * 4.0 * u * u * u / 200000.0;
     }
     for (size_t i = 0; i < COUNT(places); i += 2) {
@@ -116,7 +116,7 @@ static void the_definition_is_the_formula(void **state)
                 continue;
             const double t = 360.0 / M_PI * asin(fmin(0.5 * chord, 1.0));
             const double want =
-                light * p.part[0].light(&p.part[0], fmin(t, 100.0));
+                light * p.part[0].light(&p.part[0], 0, fmin(t, 100.0));
             assert_true(fabs(got[k] / want - 1.0) <= 6e-3);
         }
         gp_sources_free(&src);
@@ -146,7 +146,7 @@ static void laws_of_a_sphere_hold(void **state)
     enum { X = 130, Y = 20, SIDE = 90, TURN = 51 };
     struct gp_sky_params p;
     (void) state;
-    struct gp_sky *sky = sphere_of("eye", &p);
+    struct gp_sky *sky = sphere_of(TINT, &p);
     float *const plane = scene_alloc(N, sizeof *plane);
     float *const turned = scene_alloc(N, sizeof *turned);
     float *const window = scene_alloc(SIDE * SIDE, sizeof *window);
@@ -238,7 +238,7 @@ static void wedges_at_a_pole_are_as_defined(void **state)
     double *const got = sky_exact(sky, &src), whole = 0.0;
     for (int i = 0; i < 200000; i++) {
         const double u = (i + 0.5) / 200000.0, t = M_PI * u * u * u * u;
-        whole += p.part[0].light(&p.part[0], fmin(t * 180.0 / M_PI, 100.0)) *
+        whole += p.part[0].light(&p.part[0], 0, fmin(t * 180.0 / M_PI, 100.0)) *
                  2.0 * M_PI * sin(t) * 4.0 * M_PI * u * u * u / 200000.0;
     }
     for (size_t i = 0; i < COUNT(to); i++) {
@@ -255,8 +255,8 @@ static void wedges_at_a_pole_are_as_defined(void **state)
             const double by = (1.0 - fabs(u)) * sin(a) * sin(b) * sqrt(a) *
                               (to[i][1] ? 1.0 : sqrt(b));
             all += by;
-            sum += by *
-                   p.part[0].light(&p.part[0], 360.0 / M_PI * asin(sqrt(half)));
+            sum += by * p.part[0].light(&p.part[0], 0,
+                                        360.0 / M_PI * asin(sqrt(half)));
         }
         const double want = sum / all / whole * (1.0 - p.part[0].stays) *
                             src.rgb[0][0] * 2.0 * M_PI / W * (1.0 - cos(row));
