@@ -223,6 +223,8 @@ static void field_reach(const struct glarepp_frame *f, struct gp_field *field)
             *size[i] =
                 gp_max(*size[i], gp_min(most, (offset[i] / STEP + 1) * STEP));
     }
+    if (field->projection.kind == GP_LATLONG) // half a turn to each side
+        field->w += gp_rect_w(f->image.display);
     if (gp_api_edges(f) == GLAREPP_MIRROR) {
         const int more =
             2 * gp_mirror_reach(gp_image_w(&f->image), gp_image_h(&f->image));

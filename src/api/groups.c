@@ -114,8 +114,13 @@ out:
 static struct gp_surround edges_of(const struct glarepp_frame *f,
                                    const struct gp_sources *own)
 {
-    return (struct gp_surround) {gp_api_edges(f),
-                                 f->whole.row ? &f->whole : &f->sources, own};
+    return (struct gp_surround) {
+        .how = gp_api_edges(f),
+        .picture = f->whole.row ? &f->whole : &f->sources,
+        .own = own,
+        .turn =
+            gp_api_wide(f).kind == GP_LATLONG ? gp_rect_w(f->image.display) : 0,
+    };
 }
 
 /* Parts, each of one kernel, on their way to one layer. */

@@ -55,6 +55,7 @@ struct gp_surround {
     const struct gp_sources *own;     // the part of it whose light is wanted:
                                       // parts that add up to the picture add
                                       // up here too; NULL: all of it
+    int turn; // columns of a whole turn, where a kernel's samples go around; else 0
 };
 
 struct gp_kernel;
@@ -98,24 +99,39 @@ GP_MUST_CHECK gp_status gp_beyond_add_exact(const struct gp_log *log,
  * kernel is made for frames larger by twice that. */
 int gp_mirror_reach(int w, int h);
 
-/* Mirrors sources, `reach` pixels far on each side. Free with gp_sources_free(). */
+/* Pixels around a picture that show its mirror image or, where a turn has so many
+ * columns, what is on its other side. */
+struct gp_margin {
+    int x, y, turn;
+};
+
+/* The margin of a picture of w x h pixels and a kernel: none, all 0, but for MIRROR, and
+ * where samples go around. */
+struct gp_margin gp_margin_of(const struct gp_surround *edges,
+                              const struct gp_kernel *k, int w, int h);
+
+/* Adds what a margin shows of sources. Free with gp_sources_free(). */
 GP_MUST_CHECK gp_status gp_mirror_sources(const struct gp_log *log,
                                           const struct gp_sources *src,
-                                          int reach, struct gp_sources *out);
+                                          const struct gp_margin *m,
+                                          struct gp_sources *out);
 
-/* A picture and its mirror image around it, `reach` pixels wide. */
+/* A picture and its margin. */
 struct gp_mirrored {
-    int reach;
-    struct gp_surround edges;       // of the larger picture, which EXTEND from it
+    struct gp_margin margin;
+    struct gp_surround edges; // of the larger picture: a mirror image EXTENDs
     struct gp_sources src, picture, own;
     struct gp_planes rgb;
 };
 
-/* Mirrors `src`, the sources of `edges`, and planes of its size unless `rgb` is
- * NULL. Free with gp_mirrored_free(), on failure too. */
+/* Adds the margin to `src`, the sources of `edges`, and to planes of its size unless `rgb`
+ * is NULL. Free with gp_mirrored_free(), on failure too. */
 GP_MUST_CHECK gp_status gp_mirror(const struct gp_log *log,
-    const struct gp_surround *edges, const struct gp_sources *src,
-    const struct gp_planes *rgb, struct gp_mirrored *out);
+                                  const struct gp_surround *edges,
+                                  const struct gp_sources *src,
+                                  const struct gp_planes *rgb,
+                                  const struct gp_margin *margin,
+                                  struct gp_mirrored *out);
 void gp_mirrored_free(struct gp_mirrored *m);
 
 #endif

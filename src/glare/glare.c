@@ -135,6 +135,7 @@ struct drawing {
     const struct gp_sources *src;   // as bright as the frame is
     const struct gp_kernel *kernel; // with its far field, if it has one
     const struct gp_kernel *drawn;  // that, or the whole of it
+    bool core;                      // without its sky
     struct gp_image *f;
     const char *path;
     struct gp_sources less;         // halved, or empty
@@ -276,7 +277,7 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
                                d->beyond, &d->f->layer, &g->outside));
         parts.beyond = d->times ? NULL : g->outside; // as bright as the frame
     }
-    if (d->kernel->sky)
+    if (d->kernel->sky && !d->core)
         GP_TRY(draw_sky(log, engine, d));
     else
         GP_TRY(gp_engines[engine->engine]->run(req, &g->state[engine->engine]));
@@ -295,11 +296,13 @@ out:
     return st;
 }
 
-/* gp_glare_run() but for the mirror image. */
+/* gp_glare_run() but for the margin. */
 static gp_status run_picture(const struct gp_log *log,
-    const struct gp_glare_params *p, struct gp_glare *g,
-    const struct gp_sources *src, const struct gp_kernel *kernel,
-    struct gp_image *f, struct glarepp_layer_facts *stats)
+                             const struct gp_glare_params *p,
+                             struct gp_glare *g, const struct gp_sources *src,
+                             const struct gp_kernel *kernel, bool core,
+                             struct gp_image *f,
+                             struct glarepp_layer_facts *stats)
 {
     gp_status st = GP_OK;
     struct gp_choice taken;
@@ -311,6 +314,7 @@ static gp_status run_picture(const struct gp_log *log,
         .src = src,
         .kernel = kernel,
         .drawn = kernel,
+        .core = core,
         .f = f,
         .path = f->path ? f->path : "frame",
     };
@@ -365,8 +369,10 @@ gp_status gp_glare_run(const struct gp_log *log,
     struct gp_image *f, struct glarepp_layer_facts *stats)
 {
     gp_status st;
-    if (p->edges.how != GLAREPP_MIRROR || !src->n)
-        return run_picture(log, p, g, src, kernel, f, stats);
+    const struct gp_margin margin =
+        gp_margin_of(&p->edges, kernel, src->w, src->h);
+    if (!margin.x || !src->n)
+        return run_picture(log, p, g, src, kernel, false, f, stats);
     struct gp_mirrored m = {0};
     struct gp_glare_params params = *p;
     struct gp_image wide = {.path = f->path};
@@ -374,25 +380,33 @@ gp_status gp_glare_run(const struct gp_log *log,
     const size_t w = (size_t) src->w, h = (size_t) src->h;
     const bool pixel = p->tolerance_pixel > 0.0f;
     memcpy(wide.luminance, f->luminance, sizeof wide.luminance);
-    GP_TRY(gp_mirror(log, &p->edges, src, pixel ? &f->rgb : NULL, &m));
+    GP_TRY(gp_mirror(log, &p->edges, src, pixel ? &f->rgb : NULL, &margin, &m));
     wide.data = (struct gp_rect) {0, 0, m.src.w, m.src.h};
     wide.rgb = m.rgb;
     params.edges = m.edges;
     // what scatters is the picture, for which the edges are made, or a part of it
     if (p->taken && p->taken != p->edges.picture) {
-        GP_TRY(gp_mirror_sources(log, p->taken, m.reach, &taken));
+        GP_TRY(gp_mirror_sources(log, p->taken, &margin, &taken));
         params.taken = &taken;
     } else if (p->taken) {
         params.taken = m.edges.picture;
     }
-    GP_TRY(run_picture(log, &params, g, &m.src, kernel, &wide, stats));
+    GP_TRY(run_picture(log, &params, g, &m.src, kernel, margin.turn > 0, &wide,
+                       stats));
     if (!f->layer.c[0])
         GP_TRY(gp_planes_make(log, "layer", gp_image_pixels(f), &f->layer));
     for (size_t i = 0; i < 3 * h; i++) // without the margin
         memcpy(f->layer.c[i / h] + i % h * w,
-               gp_row(wide.layer.c[i / h], m.src.w, m.reach + (int) (i % h)) +
-                   m.reach,
+               gp_row(wide.layer.c[i / h], m.src.w, margin.y + (int) (i % h)) +
+                   margin.x,
                w * sizeof(float));
+    if (kernel->sky && margin.turn) // which knows of the other side
+        GP_TRY(gp_sky_add(log, kernel->sky,
+                          &(struct gp_sky_drawing) {.src = src,
+                                                    .add = true,
+                                                    .layer = &f->layer,
+                                                    .last = p->last,
+                                                    .kept = &g->cosines}));
 out:
     gp_planes_free(&wide.layer);
     gp_sources_free(&taken);

@@ -1,11 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The mirror image of a picture around it: --edges mirror. */
+/* What is around a picture: its mirror image, --edges mirror, or its other side. */
 #include "core/minmax.h"
 #include "glare/edges.h"
+#include "glare/kernel.h"
+
+#include <stdlib.h>
 
 int gp_mirror_reach(int w, int h)
 {
     return (gp_min(w, h) + 3) / 4;
+}
+
+struct gp_margin gp_margin_of(const struct gp_surround *edges,
+                              const struct gp_kernel *k, int w, int h)
+{
+    const int reach = edges->how == GLAREPP_MIRROR ? gp_mirror_reach(w, h) : 0;
+    const int widest = gp_max(abs(k->cx), abs(k->w - 1 - k->cx));
+    const int half = edges->turn / 2;
+    return half ? (struct gp_margin) {.x = k->far ? half : gp_min(widest, half),
+                                      .turn = edges->turn}
+                : (struct gp_margin) {.x = reach, .y = reach};
 }
 
 /* The place in [0, n) that i in [-n, 2 n) shows. */
@@ -14,57 +28,88 @@ static int mirrored(int i, int n)
     return i < 0 ? -1 - i : i < n ? i : 2 * n - 1 - i;
 }
 
+/* The column that column x shows: of a part of a turn, where that has none, one of its
+ * sides. */
+static int shown(const struct gp_margin *m, int x, int w)
+{
+    if (!m->turn)
+        return mirrored(x, w);
+    const int around = x < 0 ? x + m->turn : x < w ? x : x - m->turn;
+    return gp_min(gp_max(around, 0), w - 1);
+}
+
+/* The column beyond the left side, or the right one, that shows column x. */
+static int place_of(const struct gp_margin *m, int x, int w, bool left)
+{
+    return m->turn ? x + (left ? -m->turn : m->turn)
+                   : (left ? -1 : 2 * w - 1) - x;
+}
+
+/* Tests whether the margin has that column. */
+static bool has(const struct gp_margin *m, int x, int w, bool left)
+{
+    const int at = place_of(m, x, w, left);
+    return left ? at >= -m->x && at < 0 : at >= w && at < w + m->x;
+}
+
+/* Adds those sources of a row that the margin of a side shows, from the left to the
+ * right. */
+static void add_side(const struct gp_sources *src, const struct gp_margin *m,
+                     bool left, int y, int to, struct gp_sources *out)
+{
+    const uint32_t first = src->row[y], last = src->row[y + 1];
+    for (uint32_t k = first; k < last; k++) {
+        const uint32_t i = m->turn ? k : last - 1 - (k - first);
+        if (has(m, src->x[i], src->w, left))
+            gp_sources_copy(src, i, 1.0,
+                            place_of(m, src->x[i], src->w, left) + m->x, to,
+                            out);
+    }
+}
+
 gp_status gp_mirror_sources(const struct gp_log *log,
-                            const struct gp_sources *src, int reach,
-                            struct gp_sources *out)
+                            const struct gp_sources *src,
+                            const struct gp_margin *m, struct gp_sources *out)
 {
     struct gp_sources like = *src;
     const int w = src->w, h = src->h;
     size_t n = 0;
-    like.w += 2 * reach;
-    like.h += 2 * reach;
-    like.x0 -= reach;
-    like.y0 -= reach;
-    for (int y = -reach; y < h + reach; y++) {
+    like.w += 2 * m->x;
+    like.h += 2 * m->y;
+    like.x0 -= m->x;
+    like.y0 -= m->y;
+    for (int y = -m->y; y < h + m->y; y++) {
         const int from = mirrored(y, h);
         for (uint32_t i = src->row[from]; i < src->row[from + 1]; i++)
-            n += 1u + (src->x[i] < reach) + (src->x[i] >= w - reach);
+            n += 1u + has(m, src->x[i], w, true) + has(m, src->x[i], w, false);
     }
     gp_status st = gp_sources_make(log, &like, n, out);
     if (st)
         return st;
-    for (int y = -reach; y < h + reach; y++) {
+    for (int y = -m->y; y < h + m->y; y++) {
         const int from = mirrored(y, h);
-        const uint32_t first = src->row[from], end = src->row[from + 1];
-        for (uint32_t i = end; i-- > first;) { // left of the picture
-            if (src->x[i] < reach)
-                gp_sources_copy(src, i, 1.0, reach - 1 - src->x[i], y + reach,
-                                out);
-        }
-        for (uint32_t i = first; i < end; i++)
-            gp_sources_copy(src, i, 1.0, reach + src->x[i], y + reach, out);
-        for (uint32_t i = end; i-- > first;) {
-            if (src->x[i] >= w - reach)
-                gp_sources_copy(src, i, 1.0, reach + 2 * w - 1 - src->x[i],
-                                y + reach, out);
-        }
+        add_side(src, m, true, from, y + m->y, out);
+        for (uint32_t i = src->row[from]; i < src->row[from + 1]; i++)
+            gp_sources_copy(src, i, 1.0, m->x + src->x[i], y + m->y, out);
+        add_side(src, m, false, from, y + m->y, out);
     }
     gp_sources_finish(out);
     return GP_OK;
 }
 
 static gp_status mirror_planes(const struct gp_log *log,
-    const struct gp_planes *p, int w, int h, int reach, struct gp_planes *out)
+                               const struct gp_planes *p, int w, int h,
+                               const struct gp_margin *m, struct gp_planes *out)
 {
-    const size_t wide = (size_t) w + 2 * (size_t) reach;
+    const size_t wide = (size_t) w + 2 * (size_t) m->x;
     gp_status st = gp_planes_make(log, "mirror image",
-                                  wide * ((size_t) h + 2 * (size_t) reach), out);
+                                  wide * ((size_t) h + 2 * (size_t) m->y), out);
     for (int c = 0; !st && c < 3; c++) {
-        for (int y = -reach; y < h + reach; y++) {
+        for (int y = -m->y; y < h + m->y; y++) {
             const float *const from = gp_row(p->c[c], w, mirrored(y, h));
-            float *const to = out->c[c] + (size_t) (y + reach) * wide;
-            for (int x = -reach; x < w + reach; x++)
-                to[x + reach] = from[mirrored(x, w)];
+            float *const to = out->c[c] + (size_t) (y + m->y) * wide;
+            for (int x = -m->x; x < w + m->x; x++)
+                to[x + m->x] = from[shown(m, x, w)];
         }
     }
     return st;
@@ -72,32 +117,33 @@ static gp_status mirror_planes(const struct gp_log *log,
 
 /* Sets *at to the mirrored sources of `one`: those that are there, or `own`,
  * which is made. */
-static gp_status mirror_other(const struct gp_log *log,
-    const struct gp_sources *one, const struct gp_sources *src, int reach,
-    const struct gp_sources *there, struct gp_sources *own,
-    const struct gp_sources **at)
+static gp_status
+mirror_other(const struct gp_log *log, const struct gp_sources *one,
+             const struct gp_sources *src, const struct gp_margin *m,
+             const struct gp_sources *there, struct gp_sources *own,
+             const struct gp_sources **at)
 {
     *at = one == src ? there : one ? own : NULL;
-    return *at == own && one ? gp_mirror_sources(log, one, reach, own) : GP_OK;
+    return *at == own && one ? gp_mirror_sources(log, one, m, own) : GP_OK;
 }
 
 gp_status gp_mirror(const struct gp_log *log, const struct gp_surround *edges,
-    const struct gp_sources *src, const struct gp_planes *rgb,
-    struct gp_mirrored *m)
+                    const struct gp_sources *src, const struct gp_planes *rgb,
+                    const struct gp_margin *margin, struct gp_mirrored *m)
 {
     gp_status st;
     *m = (struct gp_mirrored) {
-        .reach = gp_mirror_reach(src->w, src->h),
-        .edges = {.how = GLAREPP_EXTEND},
+        .margin = *margin,
+        .edges = {.how = margin->turn ? GLAREPP_BLACK : GLAREPP_EXTEND},
     };
-    GP_TRY(gp_mirror_sources(log, src, m->reach, &m->src));
-    GP_TRY(mirror_other(log, edges->picture, src, m->reach, &m->src,
-                        &m->picture, &m->edges.picture));
+    GP_TRY(gp_mirror_sources(log, src, margin, &m->src));
+    GP_TRY(mirror_other(log, edges->picture, src, margin, &m->src, &m->picture,
+                        &m->edges.picture));
     if (edges->own != edges->picture)
-        GP_TRY(mirror_other(log, edges->own, src, m->reach, &m->src, &m->own,
+        GP_TRY(mirror_other(log, edges->own, src, margin, &m->src, &m->own,
                             &m->edges.own));
     if (rgb)
-        GP_TRY(mirror_planes(log, rgb, src->w, src->h, m->reach, &m->rgb));
+        GP_TRY(mirror_planes(log, rgb, src->w, src->h, margin, &m->rgb));
 out:
     return st;
 }

@@ -158,14 +158,26 @@ out:
     return st;
 }
 
-/* The sum with any kernel, and the light from beyond the border. */
-static gp_status sum_all(const struct gp_log *log,
-                         const struct gp_surround *edges,
-                         const struct gp_sources *src,
+/* Adds true angles, of pixels that are wanted: others are NaN. */
+static gp_status add_sky(const struct gp_log *log, const struct gp_sources *src,
                          const struct gp_kernel *k, const unsigned char *only,
                          double *layer)
 {
     const size_t n = (size_t) src->w * (size_t) src->h;
+    for (size_t i = 0; i < n && only; i++) {
+        if (!only[i])
+            layer[i] = layer[n + i] = layer[2 * n + i] = (double) NAN;
+    }
+    return gp_sky_exact(log, k->sky, src, layer);
+}
+
+/* The sum with any kernel, or but its core, and the light from beyond the border. */
+static gp_status sum_all(const struct gp_log *log,
+                         const struct gp_surround *edges,
+                         const struct gp_sources *src,
+                         const struct gp_kernel *k, bool core,
+                         const unsigned char *only, double *layer)
+{
     gp_status st = GP_OK;
     struct gp_kernel whole = {0};
     struct gp_beyond *beyond = NULL;
@@ -173,12 +185,8 @@ static gp_status sum_all(const struct gp_log *log,
     if (k->far)
         GP_TRY(gp_kernel_whole(log, k, src->w, src->h, &whole));
     GP_TRY(sum_plain(log, src, all, layer));
-    for (size_t i = 0; i < n && only && k->sky; i++) {
-        if (!only[i])
-            layer[i] = layer[n + i] = layer[2 * n + i] = (double) NAN;
-    }
-    if (k->sky)
-        GP_TRY(gp_sky_exact(log, k->sky, src, layer));
+    if (k->sky && !core)
+        GP_TRY(add_sky(log, src, k, only, layer));
     if (edges)
         GP_TRY(gp_beyond_find(log, edges, &beyond));
     GP_TRY(gp_beyond_add_exact(log, beyond, all, layer));
@@ -198,20 +206,25 @@ gp_status gp_glare_reference(const struct gp_log *log,
     struct gp_mirrored m = {0};
     unsigned char *inner = NULL;
     double *wide = NULL;
-    if (!edges || edges->how != GLAREPP_MIRROR)
-        return sum_all(log, edges, src, k, only, layer);
-    GP_TRY(gp_mirror(log, edges, src, NULL, &m));
+    const struct gp_margin margin =
+        edges ? gp_margin_of(edges, k, src->w, src->h) : (struct gp_margin) {0};
+    if (!margin.x)
+        return sum_all(log, edges, src, k, false, only, layer);
+    GP_TRY(gp_mirror(log, edges, src, NULL, &margin, &m));
     const size_t pitch = (size_t) m.src.w, n = pitch * (size_t) m.src.h;
     const size_t w = (size_t) src->w, h = (size_t) src->h;
-    const size_t first = (size_t) m.reach * (pitch + 1);
+    const size_t first = (size_t) margin.y * pitch + (size_t) margin.x;
     GP_TRY(gp_alloc(log, "exact layer", 3 * n, sizeof *wide, &wide));
     GP_TRY(gp_alloc_zero(log, "exact layer", n, 1, &inner));
     for (size_t y = 0; y < h && only; y++)
         memcpy(inner + first + y * pitch, only + y * w, w);
-    GP_TRY(sum_all(log, &m.edges, &m.src, k, only ? inner : NULL, wide));
+    GP_TRY(sum_all(log, &m.edges, &m.src, k, margin.turn > 0,
+                   only ? inner : NULL, wide));
     for (size_t i = 0; i < 3 * h; i++)
         memcpy(layer + i * w, wide + i / h * n + first + i % h * pitch,
                w * sizeof *layer);
+    if (k->sky && margin.turn)
+        GP_TRY(add_sky(log, src, k, only, layer));
 out:
     gp_mirrored_free(&m);
     gp_free(inner);

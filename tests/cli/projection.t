@@ -121,6 +121,9 @@ is "$(field r.json 'o["projection"]')" perspective 'the option is over the attri
 run --projection latlong -k star --layer b.exr --report r.json sphere.exr
 like "$status $(cat err)" '0 *warning: sphere.exr: its glare is that of a plane*' \
     'a model with rays has no place on a sphere'
+run --projection latlong -k streak --layer b.exr --report r.json sphere.exr
+is "$(field r.json 'all(abs(a / b - 1) < 5e-6 for a, b in zip(o["flux_out"], o["flux_in"]))')" \
+    True 'but rays cross the seam'
 run --projection latlong --layer b.exr --report r.json odd.exr
 like "$status $(cat err) $(field r.json 'o["projection"]')" \
     '0 *warning: odd.exr: its glare is that of a plane*plane' 'a width with a factor of 103'

@@ -238,7 +238,7 @@ static void even_pictures_stay_even(void **state)
                            (const float[3]) {10.0f, 10.0f, 10.0f});
         gp_sources_finish(&src);
         p.engine = "fft";
-        p.edges = (struct gp_surround) {GLAREPP_EXTEND, &src, NULL};
+        p.edges = (struct gp_surround) {.how = GLAREPP_EXTEND, .picture = &src};
         assert_ok(gp_glare_run(NULL, &p, &engines, &src, &k, &f, &facts));
         for (int j = 0; j < 3 * N; j++)
             assert_true(fabsf(f.layer.c[j / N][j % N] - 10.0f) <= 1e-3f);

@@ -55,7 +55,7 @@ static void assert_stays(const char *word, const struct gp_kernel *k, int w,
             f.rgb.c[c][p] = value;
     }
     struct scene s = scene_sense(f, (struct gp_kernel) {0}, &usual);
-    const struct gp_surround edges = {how, &s.src, NULL};
+    const struct gp_surround edges = {.how = how, .picture = &s.src};
     s.f.layer = layer_of(&s.src, &edges, k, "auto", NULL);
     assert_ok(gp_compose(NULL, &compose, &s.src, &s.f));
     for (int p = 0; p < 3 * w * h; p++) {
@@ -144,7 +144,8 @@ static void layers_are_the_plain_sum(void **state)
                                      n == 2 ? 40 : MID, shapes[n]);
         s.k = k;
         const struct gp_surround edges = {
-            i % 2 ? GLAREPP_MIRROR : GLAREPP_EXTEND, &s.src, NULL,
+            .how = i % 2 ? GLAREPP_MIRROR : GLAREPP_EXTEND,
+            .picture = &s.src,
         };
         const size_t e = model ? 2 * (i % 2) : i % COUNT(engines);
         double bound, black;
@@ -173,12 +174,12 @@ static void overscan_makes_no_difference(void **state)
     struct scene s = sensed(w, h, ALL);
     struct gp_kernel k = scene_kernel(2 * reach + 1, 2 * reach + 1, MID, MID,
                                       PEAK);
-    const struct gp_surround none = {GLAREPP_BLACK, &s.src, NULL};
+    const struct gp_surround none = {.how = GLAREPP_BLACK};
     struct gp_planes want = layer_of(&s.src, &none, &k, "fft", NULL);
     (void) state;
     for (int how = GLAREPP_EXTEND; how <= GLAREPP_MIRROR; how++) {
-        const struct gp_surround edges = {(enum glarepp_edges) how, &s.src,
-                                          NULL};
+        const struct gp_surround edges = {.how = (enum glarepp_edges) how,
+                                          .picture = &s.src};
         struct gp_planes got = layer_of(&s.src, &edges, &k, "fft", NULL);
         for (int i = 0; i < 3 * w * h; i++) {
             const int x = i % w, y = i / w % h, c = i / (w * h);
@@ -223,7 +224,8 @@ static void leaving_lamps_fade(void **state)
                     f.rgb.c[c][p] = sky + (float) (1000.0 * in);
             }
             struct scene s = scene_sense(f, (struct gp_kernel) {0}, &usual);
-            const struct gp_surround edges = {GLAREPP_EXTEND, &s.src, NULL};
+            const struct gp_surround edges = {.how = GLAREPP_EXTEND,
+                                              .picture = &s.src};
             struct gp_planes layer = layer_of(&s.src, &edges, &k, "auto", NULL);
             double sum[3], squares;
             gp_planes_sum(&layer, (size_t) w * (size_t) h, sum, &squares);
@@ -244,6 +246,54 @@ static void leaving_lamps_fade(void **state)
     }
 }
 
-SUITE_OF(edges, NULL, NULL, flat_pictures_stay_flat, layers_are_the_plain_sum,
-         overscan_makes_no_difference, leaving_lamps_fade)
+/* Where a turn has so many columns a kernel's samples go around, of sources up to half of
+ * one away: of a whole turn, and of a part, whose other side is near. */
+static void light_goes_around(void **state)
+{
+    static const int turns[] = {61, 67, 90};
+    static const char *const engines[] = {"fft", "direct", "auto"};
+    enum { W = 61, H = 20, KW = 51, KH = 9 };
+    (void) state;
+    for (size_t i = 0; i < COUNT(turns) * COUNT(engines); i++) {
+        const int turn = turns[i / COUNT(engines)];
+        struct scene s = sensed(W, H, MANY);
+        s.k = scene_kernel(KW, KH, 9, 2, TINTED);
+        const struct gp_surround edges = {
+            .how = GLAREPP_BLACK, .picture = &s.src, .turn = turn};
+        double *const want = scene_alloc(3 * W * H, sizeof *want);
+        memset(want, 0, 3 * W * H * sizeof *want);
+        for (int p = 0; p < W * H; p++) {
+            for (uint32_t k = 0; k < s.src.n; k++) {
+                int y = 0;
+                while (s.src.row[y + 1] <= k)
+                    y++;
+                const int dy = p / W - y + 2,
+                          most = turn / 2 < 41 ? turn / 2 : 41;
+                for (int side = -1; side <= 1; side++) {
+                    const int from = s.src.x[k] + side * turn;
+                    const int dx = p % W - from + 9;
+                    if (from < -most || from >= W + most || dx < 0 ||
+                        dx >= KW || dy < 0 || dy >= KH)
+                        continue;
+                    for (int c = 0; c < 3; c++)
+                        want[c * W * H + p] +=
+                            (double) s.src.rgb[c][k] *
+                            (double) s.k.k.c[c][dy * KW + dx];
+                }
+            }
+        }
+        s.f.layer =
+            layer_of(&s.src, &edges, &s.k, engines[i % COUNT(engines)], NULL);
+        s.exact = scene_alloc(3 * W * H, sizeof *s.exact);
+        assert_ok(
+            gp_glare_reference(NULL, &edges, &s.src, &s.k, NULL, s.exact));
+        assert_true(scene_rel_l2(&s) < 1e-6);
+        for (int p = 0; p < 3 * W * H; p++)
+            assert_true(fabs(s.exact[p] - want[p]) <= 1e-9 * (1.0 + want[p]));
+        free(want);
+        scene_free(&s);
+    }
+}
 
+SUITE_OF(edges, NULL, NULL, flat_pictures_stay_flat, layers_are_the_plain_sum,
+         overscan_makes_no_difference, leaving_lamps_fade, light_goes_around)
