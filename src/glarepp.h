@@ -533,7 +533,7 @@ struct glarepp_tone_params {
  *                everywhere: of pictures of no camera
  *   PERSPECTIVE  as a camera's: by its matrices, else by the angle of view
  *   LATLONG      the display window is the whole sphere, longitude along x, latitude
- *                along y; a multiple of 8 without factors but 2, 3, 5, 7 wide
+ *                along y; its width even, without prime factors over 127
  *   FISHEYE      equidistant, of the angle of view, else 180 degrees: pixels beyond
  *                half of that, and 90 degrees, from the axis are none
  *   EQUISOLID    the same, of pixels of one solid angle

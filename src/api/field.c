@@ -155,8 +155,8 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
             "a pixel may show 8 degrees, be 16 times as long as wide, "
             "and not be small beside the kernel's core",
         [GP_LATLONG] =
-            "a lat-long is the whole sphere, its width a multiple of "
-            "8 without factors but 2, 3, 5 and 7, from 96 on",
+            "a lat-long is the whole sphere, its width even, from 96 "
+            "on, without prime factors over 127",
         [GP_FISHEYE] = FISHEYES,
         [GP_EQUISOLID] = FISHEYES,
     };

@@ -28,6 +28,8 @@ typedef gp_float_lines lines;
 
 #define INLINE static inline __attribute__((always_inline))
 
+enum { PRIME = 127 }; // the largest radix
+
 struct point {
     lines re, im;
 };
@@ -92,7 +94,7 @@ INLINE void dft8(struct point a[8])
  * are cos and sin of 2 pi k / r, k in [0, r). */
 INLINE void dft_odd(int r, const real *c, const real *s, struct point *a)
 {
-    struct point both[3], apart[3], first = a[0];
+    struct point both[PRIME / 2], apart[PRIME / 2], first = a[0];
     for (int k = 1; k <= r / 2; k++) {
         both[k - 1] = add(a[k], a[r - k]);
         apart[k - 1] = sub(a[k], a[r - k]);
@@ -180,6 +182,32 @@ PASS(5)
 PASS(7)
 PASS(8)
 
+/* The same of any odd radix r. */
+GP_CLONES_WIDE static void pass_odd(int r, const struct point *restrict in,
+                                    int m, int s, const real *restrict root,
+                                    struct point *restrict out)
+{
+    const size_t step = (size_t) s, turn_of = step * (size_t) m;
+    real c[PRIME], sine[PRIME];
+    for (int k = 0; k < r; k++) {
+        c[k] = root[2 * turn_of * (size_t) k];
+        sine[k] = -root[2 * turn_of * (size_t) k + 1];
+    }
+    for (size_t i = 0; i < step * (size_t) m; i++) {
+        const size_t p = i / step, q = i % step;
+        struct point a[PRIME];
+        for (size_t k = 0; k < (size_t) r; k++)
+            a[k] = in[i + turn_of * k];
+        dft_odd(r, c, sine, a);
+        for (size_t j = 0; j < (size_t) r; j++) {
+            const real *const w = root + 2 * j * p * step;
+            out[q + step * ((size_t) r * p + j)] =
+                (struct point) {a[j].re * w[0] - a[j].im * w[1],
+                                a[j].re * w[1] + a[j].im * w[0]};
+        }
+    }
+}
+
 static void (*const pass[])(const struct point *, int, int, const real *,
                             struct point *) = {
     [2] = pass2, [3] = pass3, [4] = pass4,
@@ -193,7 +221,10 @@ real *OF(transform)(const struct gp_transform *t, real *z, real *other)
     for (int i = 0; i < t->passes; i++) {
         const int r = t->radix[i];
         m /= r;
-        pass[r](from, m, s, t->root, to);
+        if (r <= 8)
+            pass[r](from, m, s, t->root, to);
+        else
+            pass_odd(r, from, m, s, t->root, to);
         s *= r;
         struct point *const next = from;
         from = to;
@@ -228,9 +259,14 @@ gp_status OF(transform_make)(const struct gp_log *log, int n,
             rest /= radices[i];
         }
     }
+    for (int p = 11; p <= PRIME && rest > 1; p += 2) {
+        for (; rest % p == 0; rest /= p)
+            t.radix[t.passes++] = (unsigned char) p;
+    }
     if (rest != 1)
         return gp_fail_bare(log, GP_ERR_BUG,
-                            "transform: length %d has a factor over 7", n);
+                            "transform: length %d has a prime over %d", n,
+                            PRIME);
     real *root;
     gp_status st =
         gp_alloc(log, "transform", (size_t) n, 2 * sizeof *root, &root);
@@ -534,16 +570,26 @@ size_t gp_transform_room(int n)
     return (bytes + PAGE - 1) / PAGE * PAGE + PAGE / 2;
 }
 
+/* Tests whether a length has no prime factors over `most`. */
+static bool has_primes(int n, int most)
+{
+    for (int p = 2; p <= most; p++) {
+        while (n % p == 0)
+            n /= p;
+    }
+    return n == 1;
+}
+
+bool gp_fft_takes(int n)
+{
+    return has_primes(n, PRIME);
+}
+
 int gp_fft_length(int n)
 {
-    for (int m = (n + 7) / 8 * 8;; m += 8) {
-        int rest = m;
-        for (int p = 2; p <= 7; p += p == 2 ? 1 : 2) {
-            while (rest % p == 0)
-                rest /= p;
-        }
-        if (rest == 1)
-            return m;
-    }
+    int m = (n + 7) / 8 * 8;
+    while (!has_primes(m, 7))
+        m += 8;
+    return m;
 }
 #endif

@@ -10,7 +10,8 @@
  * The transform is Stockham's (Cochran et al., What is the fast Fourier
  * transform?, 1967): passes between two arrays, which leave the frequencies in
  * order, by radices 2, 3, 4, 5, 7 and 8 (Temperton, Self-sorting mixed-radix fast
- * Fourier transforms, J. Comp. Phys. 52, 1983). The transform back is this one of
+ * Fourier transforms, J. Comp. Phys. 52, 1983), and by sums of as many products for
+ * other primes. The transform back is this one of
  * numbers whose re and im are exchanged, before and after: who packs them does
  * that, at no cost.
  *
@@ -37,8 +38,8 @@ struct gp_transform {
     void *root; // exp(-2 pi i k / n), k in [0, n), interleaved re, im
 };
 
-/* Makes the transform of length n >= 1, a product of 2, 3, 5 and 7. Roots are
- * found in double. Errors: GP_ERR_BUG. Free with gp_transform_free(). */
+/* Makes the transform of a length n >= 1 that gp_fft_takes(). Roots are found in
+ * double. Errors: GP_ERR_BUG. Free with gp_transform_free(). */
 GP_MUST_CHECK gp_status gp_float_transform_make(const struct gp_log *log, int n,
                                                 struct gp_transform *out);
 GP_MUST_CHECK gp_status gp_double_transform_make(const struct gp_log *log,
@@ -60,5 +61,8 @@ size_t gp_transform_room(int n);
 /* Returns the least length >= n, n >= 1, that is a multiple of 8 and has no
  * factors but 2, 3, 5 and 7. */
 int gp_fft_length(int n);
+
+/* Tests whether a length has no prime factors over 127. */
+bool gp_fft_takes(int n);
 
 #endif

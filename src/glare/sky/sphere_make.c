@@ -404,8 +404,8 @@ static bool find_sphere(const struct gp_sky *s, struct gp_sky_sphere *o)
     };
     return fabs(w - o->w) < SAME && fabs(h - o->h) < SAME &&
            fabs(x - o->x0) < SAME && fabs(y - o->y0) < SAME && o->y0 >= 0 &&
-           o->y0 + s->p.h <= o->h && s->p.w <= o->w &&
-           gp_fft_length(o->w) == o->w;
+           o->y0 + s->p.h <= o->h && s->p.w <= o->w && o->w % 2 == 0 &&
+           gp_fft_takes(o->w);
 }
 
 gp_status gp_sky_sphere_make(const struct gp_log *log, struct gp_sky *s)
