@@ -92,6 +92,21 @@ static const char *camera_fault(const struct glarepp_frame *f)
                : NULL;
 }
 
+/* Returns struct gp_field's: overscan of an eighth, as is usual, makes no difference. */
+static double tangent_of(const struct gp_projection *p,
+                         const struct gp_image *f)
+{
+    const struct gp_rect of[] = {f->display, f->data};
+    double most[2] = {0.0};
+    for (int i = 0; i < 2; i++) {
+        const double more = i ? 0.0 : 0.125;
+        const double x = more * gp_rect_w(of[i]), y = more * gp_rect_h(of[i]);
+        most[0] = fmax(most[0], fmax(p->x0 - of[i].x0, of[i].x1 - p->x0) + x);
+        most[1] = fmax(most[1], fmax(p->y0 - of[i].y0, of[i].y1 - p->y0) + y);
+    }
+    return gp_hypot(most[0] * p->dx, most[1] * p->dy);
+}
+
 /* The field of a frame: its angle of view is the plan's, else its camera's or
  * scene's, else its lens's, else the usual one. */
 struct gp_field gp_api_field(struct glarepp_frame *f,
@@ -127,6 +142,7 @@ struct gp_field gp_api_field(struct glarepp_frame *f,
                     ? gp_camera_projection(&camera, f->image.display)
                     : gp_projection_of(GP_PERSPECTIVE, f->image.display,
                                        field.aspect, fov);
+        field.tangent = tangent_of(&p, &f->image);
         field.degrees = fmin(p.dy * (180.0 / M_PI), 180.0); // in its middle
         field.aspect = p.dx / p.dy;
         // the first pixel's middle
@@ -149,14 +165,14 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
                        const struct gp_kernel_request *r)
 {
     static const char FISHEYES[] =
-        "a fisheye has up to 230 degrees from corner to corner";
+        "a fisheye has up to 230 degrees from corner to corner, and a pixel 8";
     static const char *const LIMITS[] = {
         [GP_PERSPECTIVE] =
             "a pixel may show 8 degrees, be 16 times as long as wide, "
             "and not be small beside the kernel's core",
         [GP_LATLONG] =
-            "a lat-long is the whole sphere, its width even, from 96 "
-            "on, without prime factors over 127",
+            "a lat-long is the sphere, or part of it, its width even, from "
+            "96 on, without prime factors over 127",
         [GP_FISHEYE] = FISHEYES,
         [GP_EQUISOLID] = FISHEYES,
     };
@@ -172,6 +188,11 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
         const bool opening = field->projection.kind == GP_PERSPECTIVE &&
                              strcmp(m->name, "aperture") == 0;
         const bool by = m->angular ? m->angular(one, field, &as) : opening;
+        if (sky && m->angular && by && as.lacks &&
+            gp_api_says(&f->plan->names->said, GP_SAID_LACKS))
+            gp_say(&f->log, GP_LEVEL_WARN,
+                   "%s: its glare has no %s, which are for a camera's frame",
+                   f->sink.name, as.lacks);
         if ((sky && by && (!opening || gp_sky_cosines(sky))) ||
             !(gp_recipe_key(one, "share", 0.0) > 0.0))
             continue;

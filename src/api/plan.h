@@ -74,6 +74,7 @@ enum {
     GP_SAID_WIDE,
     GP_SAID_SHARE,
     GP_SAID_PLANE,
+    GP_SAID_LACKS,
     GP_SAID_SPHERE,
     GP_SAID_MATRIX
 };

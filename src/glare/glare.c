@@ -246,8 +246,7 @@ static gp_status draw_sky(const struct gp_log *log,
     const struct gp_sky_error *const error = gp_sky_error_of(d->kernel->sky);
     req->stats->bound_angle =
         error->cosines > 0.0 ? req->floor : error->relative;
-    if (alone || gp_sky_cosines(d->kernel->sky))
-        req->stats->engine = gp_sky_way(d->kernel->sky);
+    req->stats->engine = gp_sky_way(d->kernel->sky);
     return gp_sky_add(log, k->sky,
                       &(struct gp_sky_drawing) {
                           .src = req->src,

@@ -97,6 +97,7 @@ static bool is_same(const struct gp_kernel_request *r,
     if (!r->recipes)
         return same && (a->degrees == b->degrees || !(r->degrees > 0.0));
     return same && a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
+           a->tangent == b->tangent &&
            gp_projection_same(&a->projection, &b->projection) &&
            a->seen_w == b->seen_w && a->seen_h == b->seen_h;
 }

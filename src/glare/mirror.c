@@ -16,9 +16,10 @@ struct gp_margin gp_margin_of(const struct gp_surround *edges,
 {
     const int reach = edges->how == GLAREPP_MIRROR ? gp_mirror_reach(w, h) : 0;
     const int widest = gp_max(abs(k->cx), abs(k->w - 1 - k->cx));
-    const int half = edges->turn / 2;
-    return half ? (struct gp_margin) {.x = k->far ? half : gp_min(widest, half),
-                                      .turn = edges->turn}
+    const int turn = edges->turn; // a far field is made for half of one
+    return turn ? (struct gp_margin) {.x = k->far ? turn / 2
+                                                  : gp_min(widest, turn),
+                                      .turn = turn}
                 : (struct gp_margin) {.x = reach, .y = reach};
 }
 

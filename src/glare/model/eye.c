@@ -218,8 +218,13 @@ static bool spencer_angular(const struct gp_recipe *r, const struct gp_field *f,
     _Static_assert(sizeof s <= sizeof out->v, "its figures");
     if (spencer_of(NULL, r, f, &s))
         return false;
-    *out =
-        (struct gp_angular) {.light = spencer_light, .tint = s.channels == 3};
+    const bool needles = gp_recipe_value(r, "needles") >= 1.0;
+    *out = (struct gp_angular) {
+        .light = spencer_light,
+        .tint = s.channels == 3,
+        .lacks =
+            needles && f->projection.kind != GP_PERSPECTIVE ? "needles" : NULL,
+    };
     memcpy(out->v, &s, sizeof s);
     return true;
 }
@@ -236,11 +241,11 @@ static bool spencer_angular(const struct gp_recipe *r, const struct gp_field *f,
  * a falls from 1 to 0 between half of NEEDLE_END and that, where needles would
  * be wide. m is at least 1 - NEEDLE_CONTRAST.
  *
- * Beside a corona by true angles needles have one shape all over the frame. Where a
- * pixel's sides are a and b of those in the middle, a the longer one, that corona is
- * a b f(a t) / f(t) of theirs at least: with f1 by 1 / a^2, nothing for a camera, with f2
- * by b / a, which is less. As much of their contrast needles have, where it is least in
- * the frame: no gap is darker than NEEDLE_CONTRAST has it. */
+ * Beside a corona by true angles needles have one shape all over a camera's frame. Where
+ * an angle from the axis has the cosine e, a pixel is e^2 by e of those in the middle, and
+ * that corona e^3 f(e t) / f(t) of theirs at least: with f1 as much, with f2 e of it. So
+ * much of their contrast needles have, by the least e: no gap is darker than
+ * NEEDLE_CONTRAST has it. Other frames, whose pixels differ by more, have none. */
 static const double NEEDLE_END = 5.0; // degrees
 static const double NEEDLE_CONTRAST = 0.8;
 enum {
@@ -251,7 +256,7 @@ enum {
 struct needling {
     double f1, f2;     // the corona f1 / (t + 0.02)^3 + f2 / (t + 0.02)^2, per
                        // steradian
-    double side, area; // of the least pixel: a and a b
+    double least;      // e
     double a, b, turn; // degrees of a pixel; turns
     int rx, ry;
     float *out;
@@ -316,12 +321,12 @@ static inline double second_at(const struct needling *m, double turns)
 static double corona_at(const struct needling *n, double t)
 {
     const double near = 1.0 / (t + 0.02), r = t * M_PI / 180.0, rr = r * r;
-    const double least = 1.0 / (n->side * t + 0.02);
+    const double e = n->least, far = 1.0 / (e * t + 0.02);
     const double plane = (M_PI / 180.0) * (M_PI / 180.0) *
                          (1.0 - rr / 6.0 * (1.0 - rr / 20.0)); // sin(r) / r
     return plane * needle_fade(t) *
            fmin(near * near * (n->f1 * near + n->f2),
-                n->area * least * least * (n->f1 * least + n->f2));
+                e * e * e * far * far * (n->f1 * far + n->f2));
 }
 
 /* Adds the needles of the pixels (x, y), (-x, y), (x, -y) and (-x, -y) to v.
@@ -436,12 +441,12 @@ static gp_status add_near(const struct gp_log *log, const struct needling *m,
     return GP_OK;
 }
 
-/* Makes a shape of what needles add to the even corona, where pixels have these sides
- * at least, over those in the middle, the longer first. Light that they miss goes to the light's own pixel: the sum is 0. */
+/* Makes a shape of what needles add to the even corona, as where e is `least`. Light that
+ * they miss goes to the light's own pixel: the sum is 0. */
 static gp_status make_needles(const struct gp_log *log,
                               const struct gp_recipe *r,
                               const struct spencer *s, const struct gp_field *f,
-                              const double least[2], struct gp_shape *out)
+                              double least, struct gp_shape *out)
 {
     gp_status st;
     struct needling *m = NULL;
@@ -455,8 +460,7 @@ static gp_status make_needles(const struct gp_log *log,
     *m = (struct needling) {
         .f1 = s->factor * s->weight[1] * CORONA,
         .f2 = s->factor * s->weight[2] * CORONA_FAR,
-        .side = least[0],
-        .area = least[0] * least[1],
+        .least = least,
         .a = a,
         .b = b,
         .turn = fmod(f->rotate / 360.0, 1.0),
@@ -476,29 +480,11 @@ out:
     if (m)
         gp_free(m->sum);
     gp_free(m);
-    return st;
-}
-
-/* The sides of the pixel of a frame that is the least round, over those in the middle:
- * the longer first. */
-static void find_sides(const struct gp_field *f, double side[2])
-{
-    const struct gp_projection *const p = &f->projection;
-    side[0] = side[1] = 1.0;
-    for (int i = 0; i < 9; i++) {
-        double at[2] = {(i % 3) * 0.5 * (f->seen_w - 1),
-                        (i / 3) * 0.5 * (f->seen_h - 1)};
-        gp_projection_pull(p, 0.0, at);
-        const struct gp_metric g = gp_projection_metric(p, at[0], at[1]);
-        const double x = g.xx / (p->dx * p->dx), y = g.yy / (p->dy * p->dy);
-        const double turn = g.xy / (p->dx * p->dy);
-        const double half = gp_hypot(0.5 * (x - y), turn), mid = 0.5 * (x + y);
-        const double a = sqrt(mid + half), b = sqrt(fmax(mid - half, 0.0));
-        if (b / a < side[1] / side[0]) {
-            side[0] = a;
-            side[1] = b;
-        }
+    if (st && out->free) {
+        out->free(out->state);
+        *out = (struct gp_shape) {0};
     }
+    return st;
 }
 
 /* Needles beside the corona by true angles. */
@@ -506,15 +492,12 @@ static gp_status spencer_rest(const struct gp_log *log,
                               const struct gp_recipe *r,
                               const struct gp_field *f, struct gp_shape *out)
 {
-    static const double LONG = 10.0; // as around poles: none are left
-    double side[2];
     struct spencer s;
     gp_status st = spencer_of(log, r, f, &s);
-    find_sides(f, side);
     if (st || !(gp_recipe_value(r, "needles") >= 1.0) ||
-        side[0] > LONG * side[1])
+        f->projection.kind != GP_PERSPECTIVE)
         return st;
-    st = make_needles(log, r, &s, f, side, out);
+    st = make_needles(log, r, &s, f, 1.0 / gp_hypot(1.0, f->tangent), out);
     // |n| <= (c + n) + c, and c <= (c + n) / (1 - NEEDLE_CONTRAST)
     out->negative = true;
     out->over = 1.0 + 1.0 / (1.0 - NEEDLE_CONTRAST);
@@ -634,7 +617,7 @@ static gp_status open_night(const struct gp_log *log,
     if (s->channels == 3)
         GP_TRY(gp_sky_shape(log, spencer_profile, s, 3, HALO_END, f, &n->halo));
     if (gp_recipe_value(r, "needles") >= 1.0)
-        GP_TRY(make_needles(log, r, s, f, (double[]) {1.0, 1.0}, &n->needles));
+        GP_TRY(make_needles(log, r, s, f, 1.0, &n->needles));
     *out = (struct gp_shape) {
         .state = n, .free = free_night, .row = night_row, .far = night_far,
         .far_grey = true, .far_even = true, .least = night_least,

@@ -65,9 +65,10 @@ struct gp_angular {
     /* Light of channel c per steradian t degrees from its source, 0 to 100, up to a
      * factor. */
     double (*light)(const struct gp_angular *a, int c, double t);
-    double v[96]; // the model's own figures
-    bool tint;    // channels differ, as much light as each has
-    double stays; // light that stays in its pixel: 0 to 1
+    double v[96];      // the model's own figures
+    bool tint;         // channels differ, as much light as each has
+    const char *lacks; // that which this field cannot have; NULL: nothing
+    double stays;      // light that stays in its pixel: 0 to 1
     double bends; // degrees within which light may bend on any scale, not only
                   // on that of the angle
 };
@@ -178,6 +179,9 @@ struct gp_field {
     // go by `degrees`, those of its middle
     struct gp_projection projection;
     int seen_w, seen_h;
+    double
+        tangent; // of the largest angle from a camera's axis, of its frame and of as
+                 // much overscan as comes with it
     // a sample is a node of light, of which a pixel is so many wide along each axis; 0:
     // a sample is a pixel
     double nodes;

@@ -139,17 +139,19 @@ static void make_pairs(void *ctx, int i, int thread)
 
 // -- all of it ----------------------------------------------------------------
 
-/* Counts the levels: until the last one has few nodes. */
-static void count_levels(struct gp_sky *s)
+/* Counts the levels: until the last one has few nodes; of those with one weight a node
+ * fewer, as its error is not theirs. */
+static void count_levels(struct gp_sky *s, bool single)
 {
-    static const int FEW = 250, MOST = 700; // nodes: half a million pairs
-    static const double WIDE = 0.2; // radians, too far apart for the term
+    const int few = single ? 250 : 1000, most = single ? 700 : 2000;
+    const double far =
+        single ? 0.2 : 0.1; // radians, too far apart for the term
     const double wide = fmax(s->p.projection.dx, s->p.projection.dy);
     for (int l = 1; l < GP_SKY_LEVELS; l++) {
         const int n =
             gp_far_nodes(s->p.w, 1 << l) * gp_far_nodes(s->p.h, 1 << l);
         s->levels = l + 1;
-        if (n <= FEW || (n <= MOST && ldexp(wide, l + 1) > WIDE))
+        if (n <= few || (n <= most && ldexp(wide, l + 1) > far))
             return;
     }
 }
@@ -310,6 +312,8 @@ static gp_status make_levels(const struct gp_log *log, double ratio,
     free_levels(s);
     s->error.relative = 0.0;
     s->ratio = ratio;
+    count_levels(s, single);
+    gp_sky_lay_places(s);
     s->negligible = ratio > 6.0 ? 1e-5 : 4e-3;
     if (single)
         GP_TRY(gp_sky_single_make(log, s));
@@ -397,8 +401,7 @@ static gp_status make_channels(const struct gp_log *log,
         }
         goto out;
     }
-    count_levels(s);
-    gp_sky_lay_places(s);
+    count_levels(s, true);
     s->even[0] = fabs(p->projection.x0 - 0.5 * (p->w - 1)) < MIDDLE;
     s->even[1] = fabs(p->projection.y0 - 0.5 * (p->h - 1)) < MIDDLE;
     GP_TRY(gp_sky_outside_make(log, s));

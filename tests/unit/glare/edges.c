@@ -246,8 +246,8 @@ static void leaving_lamps_fade(void **state)
     }
 }
 
-/* Where a turn has so many columns a kernel's samples go around, of sources up to half of
- * one away: of a whole turn, and of a part, whose other side is near. */
+/* Where a turn has so many columns a kernel's samples go around, once: of a whole turn,
+ * and of a part, whose other side is near. */
 static void light_goes_around(void **state)
 {
     static const int turns[] = {61, 67, 90};
@@ -267,8 +267,7 @@ static void light_goes_around(void **state)
                 int y = 0;
                 while (s.src.row[y + 1] <= k)
                     y++;
-                const int dy = p / W - y + 2,
-                          most = turn / 2 < 41 ? turn / 2 : 41;
+                const int dy = p / W - y + 2, most = turn < 41 ? turn : 41;
                 for (int side = -1; side <= 1; side++) {
                     const int from = s.src.x[k] + side * turn;
                     const int dx = p % W - from + 9;

@@ -326,6 +326,7 @@ static void needles_leave_a_fifth_all_over(void **state)
         struct gp_projection *const p = &f.projection;
         *p = gp_projection_of(GP_PERSPECTIVE, window, 1.0, fovs[i]);
         f.degrees = p->dy * (180.0 / M_PI);
+        f.tangent = hypot(0.5 * W * p->dx, 0.5 * H * p->dy);
         p->x0 -= 0.5;
         p->y0 -= 0.5;
         assert_true(r.model->angular(&r, &f, &a));
