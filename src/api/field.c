@@ -193,7 +193,7 @@ static void note_plane(struct glarepp_frame *f, const struct gp_field *field,
             gp_say(&f->log, GP_LEVEL_WARN,
                    "%s: its glare has no %s, which are for a camera's frame",
                    f->sink.name, as.lacks);
-        if ((sky && by && (!opening || gp_sky_cosines(sky))) ||
+        if ((sky && by && (!opening || gp_sky_facts(sky)->cosines)) ||
             !(gp_recipe_key(one, "share", 0.0) > 0.0))
             continue;
         angular |= by;

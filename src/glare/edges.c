@@ -441,11 +441,11 @@ static gp_status find_cosines(const struct gp_log *log,
                               struct gp_planes *out)
 {
     gp_status st;
-    if (!k->sky || !gp_sky_cosines(k->sky))
+    if (!k->sky || !gp_sky_facts(k->sky)->cosines)
         return GP_OK;
     st = gp_planes_make(log, "edges", (size_t) w * (size_t) h, out);
     return st ? st
-              : gp_cosines_beyond(log, gp_sky_cosines(k->sky),
+              : gp_cosines_beyond(log, gp_sky_facts(k->sky)->cosines,
                                   (struct gp_rect) {0, 0, w, h}, out);
 }
 

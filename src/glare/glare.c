@@ -243,10 +243,9 @@ static gp_status draw_sky(const struct gp_log *log,
         st = gp_engines[engine->engine]->run(req, &d->g->state[engine->engine]);
     if (st || req->exact)
         return st ? st : add_exact(log, d);
-    const struct gp_sky_error *const error = gp_sky_error_of(d->kernel->sky);
-    req->stats->bound_angle =
-        error->cosines > 0.0 ? req->floor : error->relative;
-    req->stats->engine = gp_sky_way(d->kernel->sky);
+    const struct gp_sky_facts *const sky = gp_sky_facts(d->kernel->sky);
+    req->stats->bound_angle = sky->splines > 0.0 ? req->floor : sky->relative;
+    req->stats->engine = sky->way;
     return gp_sky_add(log, k->sky,
                       &(struct gp_sky_drawing) {
                           .src = req->src,

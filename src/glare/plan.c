@@ -148,7 +148,7 @@ static gp_status try_whole(const struct gp_glare_request *req,
 static const char *drawn_by(const struct gp_glare_request *req,
                             const struct gp_choice *c)
 {
-    return req->kernel->sky && !c->whole ? gp_sky_way(req->kernel->sky)
+    return req->kernel->sky && !c->whole ? gp_sky_facts(req->kernel->sky)->way
                                          : gp_engines[c->engine]->name;
 }
 

@@ -247,7 +247,7 @@ double gp_layer_some(const struct gp_glare_request *req)
 {
     const struct gp_sources *const src = req->src;
     const struct gp_kernel *const k = req->kernel;
-    const double kept = k->sky ? gp_sky_error_of(k->sky)->kept / k->over : 0.0;
+    const double kept = k->sky ? gp_sky_facts(k->sky)->kept / k->over : 0.0;
     double own = 0.0, all = 0.0;
     for (int c = 0; c < 3; c++) {
         const double centre = fmax((double) gp_kernel_centre(k, c), 0.0);
@@ -276,11 +276,11 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
                         sqrt(3.0 * src->w * src->h);
     const double far = req->far ? gp_far_error_of(req->far)->norm : 0.0;
     const double splines =
-        k->sky && !req->exact ? gp_sky_error_of(k->sky)->cosines : 0.0;
+        k->sky && !req->exact ? gp_sky_facts(k->sky)->splines : 0.0;
     const double wrong = // the far field's error, and theirs: of sources' light
         (far + splines) *
         sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
-    const double outer = k->sky ? gp_sky_error_of(k->sky)->outside : 0.0;
+    const double outer = k->sky ? gp_sky_facts(k->sky)->outside : 0.0;
     const double beyond = // and of light from beyond the border
         (far + outer) * req->beyond * sqrt(3.0 * src->w * src->h);
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
@@ -305,7 +305,7 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
     *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;
     *floor += !k->sky      ? 0.0
               : req->exact ? GP_SKY_EXACT
-                           : gp_sky_error_of(k->sky)->relative;
+                           : gp_sky_facts(k->sky)->relative;
     *floor += req->beyond > 0.0 ? 0x1p-22 : 0.0;
     return GP_OK;
 }

@@ -47,10 +47,8 @@ struct mixture {
     bool image;          // a shape is of an image, whose tint is its own
     int n;
     bool grey, even, negative;
-    double over;  // as struct gp_kernel's
-    double nodes; // samples are nodes, so many a pixel; else 0
-    double wrong; // of nodes: gp_nodes_divide()'s
-    struct gp_cosine_samples samples; // and owned
+    double over;                // as struct gp_kernel's
+    struct gp_cosines *cosines; // of which samples are the nodes; NULL: pixels
     int reach;           // of the widest shape
     // shapes that go on smoothly over the whole field: how many; whether their
     // far parts are the whole mixture; both as struct gp_shape's
@@ -362,10 +360,9 @@ static void add_near(const struct near *near, int rx, int ry,
     }
 }
 
-static gp_status sum_samples(const struct gp_log *log,
-                             const struct gp_planes *k, int w, int h,
-                             const float weight[3],
-                             struct gp_cosine_samples *out)
+/* Makes K of D's samples, and fills what else of it is. */
+static gp_status divide_nodes(const struct gp_log *log, int w, int h,
+                              struct gp_planes *k, struct gp_cosines *out)
 {
     const size_t n = (size_t) h * ((size_t) w + 1);
     gp_status st = gp_alloc(log, "kernel", n, sizeof *out->sums, &out->sums);
@@ -374,13 +371,15 @@ static gp_status sum_samples(const struct gp_log *log,
         double sum = *to++ = 0.0;
         for (int x = 0; x < w; x++) {
             for (int c = 0; c < 3; c++)
-                sum += (double) weight[c] * (double) gp_row(k->c[c], w, y)[x];
+                sum +=
+                    (double) out->weight[c] * (double) gp_row(k->c[c], w, y)[x];
             *to++ = sum;
         }
     }
     out->w = w;
     out->h = h;
-    return st;
+    return st ? st
+              : gp_nodes_divide(log, w, h, out->grid.nodes, k, &out->wrong);
 }
 
 /* Makes the core of a mixture for frames of w x h pixels, less what `split`
@@ -405,10 +404,8 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
     use_tint(&m->tint, weight, n, centre, &f.k);
     if (m->near.any)
         add_near(&m->near, f.rx, f.ry, &f.k);
-    if (m->nodes > 0.0) {
-        GP_TRY(sum_samples(log, &f.k, columns, rows, weight, &m->samples));
-        GP_TRY(gp_nodes_divide(log, columns, rows, m->nodes, &f.k, &m->wrong));
-    }
+    if (m->cosines)
+        GP_TRY(divide_nodes(log, columns, rows, &f.k, m->cosines));
     st = gp_kernel_of_planes(log, "kernel", columns, rows, &f.k, out);
     out->over = fmin(out->over, m->over);
 out:
@@ -525,11 +522,11 @@ static gp_status make_cosines(const struct gp_log *log,
                               const struct gp_cosine_grid *grid,
                               struct near *near, struct gp_cosines **out)
 {
-    struct gp_kernel k = {0};
+    struct gp_cosines *k = NULL;
     struct gp_field f = *field, middle = *field;
     struct mixture m = {0}, pixels = {0};
     gp_status st;
-    double own[3] = {0}, light[3], all = 0.0, share = 0.0;
+    double own[3] = {0}, all = 0.0, share = 0.0;
     // as much more as the frame's, for lights beside it
     f.w = gp_max(grid->size[0] * field->w / field->seen_w, 1);
     f.h = gp_max(grid->size[1] * field->h / field->seen_h, 1);
@@ -545,21 +542,25 @@ static gp_status make_cosines(const struct gp_log *log,
             own[c] += m.share[i] * m.shape[i].own[m.shape[i].grey ? 0 : c];
         memset(m.shape[i].own, 0, sizeof m.shape[i].own);
     }
-    m.nodes = grid->nodes;
-    GP_TRY(make_split(log, &f, &m, &k));
+    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k, &k));
+    k->grid = *grid;
+    memcpy(k->weight, field->luminance, sizeof k->weight);
+    m.cosines = k;
+    GP_TRY(make_split(log, &f, &m, &k->nodes));
     // each channel keeps its light
     for (int c = 0; c < 3; c++)
-        all += (double) field->luminance[c] * (own[c] + k.sum[c]);
+        all += (double) field->luminance[c] * (own[c] + k->nodes.sum[c]);
     for (int c = 0; c < 3; c++)
-        own[c] = fmax(all - k.sum[c], 0.0);
-    find_near(&pixels, &k, grid->nodes, own, near);
-    for (int c = 0; c < 3; c++) // and what no node has is outside
-        light[c] = share - own[c];
-    st = gp_cosines_make(log, grid, field->luminance, light, m.wrong,
-                         &m.samples, &k, out);
+        own[c] = fmax(all - k->nodes.sum[c], 0.0);
+    find_near(&pixels, &k->nodes, grid->nodes, own, near);
+    for (int c = 0; c < 3; c++) { // and what no node has is outside
+        k->light[c] = share - own[c];
+        k->all += (double) k->weight[c] * k->light[c];
+    }
+    *out = k;
+    k = NULL;
 out:
-    gp_free(m.samples.sums);
-    gp_kernel_free(&k);
+    gp_cosines_free(&k);
     close_mixture(&m);
     close_mixture(&pixels);
     return st;
@@ -644,7 +645,7 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
     if (sky) // of a light in the middle
         k.left_out += gp_sky_left_out(sky, 0.5 * (field->seen_w - 1),
                                       0.5 * (field->seen_h - 1)) -
-                      gp_sky_light(sky) + gp_sky_given(sky);
+                      gp_sky_facts(sky)->light + gp_sky_facts(sky)->given;
     k.sky = sky;
     sky = NULL;
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k.origin, &k.origin));
@@ -669,12 +670,12 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
     const struct gp_kernel_origin *const o = k->origin;
     struct mixture m;
     struct gp_sky_params rest = {0}; // k's sky has these
-    rest.cosines = k->sky ? gp_sky_cosines(k->sky) : NULL;
+    rest.cosines = k->sky ? gp_sky_facts(k->sky)->cosines : NULL;
     gp_status st = open_mixture(log, o->recipe, o->n, &o->field,
                                 k->sky ? &rest : NULL, &m);
     if (st)
         return st;
-    m.stays += k->sky ? gp_sky_given(k->sky) : 0.0;
+    m.stays += k->sky ? gp_sky_facts(k->sky)->given : 0.0;
     m.tint = o->tint;
     m.near = o->near;
     st = make_core(log, &m, &whole, NULL, o->field.luminance, w, h, out);

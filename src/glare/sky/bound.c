@@ -225,7 +225,7 @@ static gp_status find_apart(const struct gp_log *log, const struct gp_sky *s,
         a.wrong[i] = (double) made - a.right[i];
     }
     a.right[middle] = stays;
-    a.wrong[middle] = (double) own + s->given - stays;
+    a.wrong[middle] = (double) own + s->facts.given - stays;
     *out = a;
     a.right = NULL;
 out:
@@ -241,7 +241,7 @@ static const double TABLES = 4e-5; // of curves, means and roundings
 void gp_sky_error_of_sphere(struct gp_sky *s)
 {
     const double at[2] = {0.0, s->p.projection.y0};
-    s->error.relative = SURE * levels_error(s, at).even + TABLES;
+    s->facts.relative = SURE * levels_error(s, at).even + TABLES;
 }
 
 gp_status gp_sky_error_find(const struct gp_log *log, struct gp_sky *s)
@@ -256,9 +256,9 @@ gp_status gp_sky_error_find(const struct gp_log *log, struct gp_sky *s)
         st = find_apart(log, s, x, y, &a);
         if (st)
             break;
-        s->error.relative = fmax(s->error.relative, error_at(s, x, y, &a));
+        s->facts.relative = fmax(s->facts.relative, error_at(s, x, y, &a));
         gp_free(a.right);
     }
-    s->error.relative = SURE * s->error.relative + TABLES;
+    s->facts.relative = SURE * s->facts.relative + TABLES;
     return st;
 }

@@ -54,33 +54,7 @@ bool gp_cosine_grid_lay(const struct gp_projection *p, int w, int h,
     return true;
 }
 
-// -- making --------------------------------------------------------------------
-
-gp_status gp_cosines_make(const struct gp_log *log,
-                          const struct gp_cosine_grid *grid,
-                          const float weight[3], const double light[3],
-                          double wrong, struct gp_cosine_samples *samples,
-                          struct gp_kernel *nodes, struct gp_cosines **out)
-{
-    struct gp_cosines *c;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *c, &c);
-    if (st)
-        return st;
-    c->grid = *grid;
-    c->nodes = *nodes;
-    *nodes = (struct gp_kernel) {0};
-    c->wrong = wrong;
-    for (int i = 0; i < 3; i++)
-        c->weight[i] = weight[i];
-    c->samples = *samples;
-    *samples = (struct gp_cosine_samples) {0};
-    for (int i = 0; i < 3; i++) {
-        c->light[i] = light[i];
-        c->all += (double) weight[i] * light[i];
-    }
-    *out = c;
-    return GP_OK;
-}
+// -- their kernel --------------------------------------------------------------------
 
 void gp_cosines_at(const struct gp_kernel *k, double u, double v, double d[3])
 {
@@ -110,19 +84,9 @@ void gp_cosines_free(struct gp_cosines **c)
         gp_far_free(
             (*c)->nodes.far); // it has no more: of samples, not of a model
         gp_planes_free(&(*c)->nodes.k);
-        gp_free((*c)->samples.sums);
+        gp_free((*c)->sums);
     }
     GP_FREE(*c);
-}
-
-double gp_cosines_light(const struct gp_cosines *c)
-{
-    return c->all;
-}
-
-double gp_cosines_wrong(const struct gp_cosines *c)
-{
-    return c->wrong;
 }
 
 // -- light that leaves the frame -------------------------------------------------
@@ -130,8 +94,8 @@ double gp_cosines_wrong(const struct gp_cosines *c)
 /* The core's light in its row y between two places on it, in samples. */
 static double between(const struct gp_cosines *c, int y, double from, double to)
 {
-    const int w = c->samples.w;
-    const double *const row = c->samples.sums + (size_t) y * ((size_t) w + 1);
+    const int w = c->w;
+    const double *const row = c->sums + (size_t) y * ((size_t) w + 1);
     double at[2] = {from, to};
     for (int i = 0; i < 2; i++) {
         const double t = fmin(fmax(at[i], 0.0), w);
@@ -159,8 +123,8 @@ double gp_cosines_outside(const struct gp_cosines *c, double x, double y)
     const double top = (-0.5 - p->y0) * p->dy;
     const double bottom = (g->h - 0.5 - p->y0) * p->dy;
     double inside = 0.0;
-    for (int j = 0; j < c->samples.h; j++) {
-        const double b = at.y + (j - c->samples.h / 2) * g->step[1];
+    for (int j = 0; j < c->h; j++) {
+        const double b = at.y + (j - c->h / 2) * g->step[1];
         if (fabs(b) >= 1.0)
             continue;
         const double q = sqrt(1.0 - b * b), size = fabs(b);
@@ -172,7 +136,7 @@ double gp_cosines_outside(const struct gp_cosines *c, double x, double y)
         const double ends[2][2] = {{fmax(from, -far), fmin(to, far)},
                                    {fmax(from, -near), fmin(to, near)}};
         for (int i = 0; i < (near > 0.0 ? 2 : 1); i++) {
-            const double first = 0.5 + c->samples.w / 2 - at.x / g->step[0];
+            const double first = 0.5 + c->w / 2 - at.x / g->step[0];
             const double light = between(c, j, first + ends[i][0] / g->step[0],
                                          first + ends[i][1] / g->step[0]);
             inside += i ? -light : light;

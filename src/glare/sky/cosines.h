@@ -49,36 +49,27 @@ struct gp_cosine_grid {
 bool gp_cosine_grid_lay(const struct gp_projection *p, int w, int h,
                         double finest, struct gp_cosine_grid *out);
 
-/* D's samples at w x h nodes around its middle, without its far field: sums of their
- * luminance from the left, rows of w + 1. */
-struct gp_cosine_samples {
+struct gp_cosines {
+    struct gp_cosine_grid grid;
+    struct gp_kernel nodes; // K; owned
+    float weight[3];        // of luminance
+    double light[3], all;   // of a source, that is spread; its luminance
+    double wrong; // limits the norm of the splines' error for light of norm 1
+    // D's samples at w x h nodes around its middle, without its far field: sums of their
+    // luminance from the left, rows of w + 1; owned
     int w, h;
-    double *sums; // owned
+    double *sums;
 };
 
-struct gp_cosines;
-
-/* Makes them of a kernel K of nodes and samples, which are taken, and then empty;
- * `weight` of luminance; `light` of a source that they spread, by channel; `wrong` limits
- * the norm of the splines' error for light of norm 1. Free with gp_cosines_free().
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_cosines_make(const struct gp_log *log,
-                                        const struct gp_cosine_grid *grid,
-                                        const float weight[3],
-                                        const double light[3], double wrong,
-                                        struct gp_cosine_samples *samples,
-                                        struct gp_kernel *nodes,
-                                        struct gp_cosines **out);
+/* Frees them, allocated by gp_alloc(), and what they own. */
 void gp_cosines_free(struct gp_cosines **c);
 
 /* D at (u, v) steps of a kernel's nodes, without its far field. */
 void gp_cosines_at(const struct gp_kernel *k, double u, double v, double d[3]);
 
-/* The share of light that is spread; that of a source at (x, y) that falls outside of
- * the frame, within 1e-3 of the light; and `wrong`. */
-double gp_cosines_light(const struct gp_cosines *c);
+/* The share of the light of a source at (x, y) that falls outside of the frame, within
+ * 1e-3 of the light. */
 double gp_cosines_outside(const struct gp_cosines *c, double x, double y);
-double gp_cosines_wrong(const struct gp_cosines *c);
 
 /* Fills planes of a picture with the share of a pixel's glare that comes from outside
  * where all is even, by channel. Errors: GP_ERR_BUG out of memory. */

@@ -7,14 +7,6 @@
 
 #include <math.h>
 
-struct gp_cosines {
-    struct gp_cosine_grid grid;
-    struct gp_kernel nodes; // owned
-    float weight[3];
-    struct gp_cosine_samples samples;
-    double light[3], all, wrong; // all: light's luminance
-};
-
 /* Direction cosines of places between two corners. */
 struct gp_cosine_box {
     double low[2], high[2];

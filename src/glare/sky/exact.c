@@ -62,7 +62,7 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
                 continue;
             double share = gp_sky_pixel(s, at, from, most);
             if (src->x[i] == x && sy == y)
-                share += s->light.stays - s->given;
+                share += s->light.stays - s->facts.given;
             for (size_t k = 0; k < 3; k++)
                 sum[k] += share * (double) src->rgb[k][i];
         }

@@ -310,7 +310,7 @@ static gp_status make_levels(const struct gp_log *log, double ratio,
     struct making m = {.s = s};
     gp_status st;
     free_levels(s);
-    s->error.relative = 0.0;
+    s->facts.relative = 0.0;
     s->ratio = ratio;
     count_levels(s, single);
     gp_sky_lay_places(s);
@@ -344,7 +344,7 @@ out:
     return st;
 }
 
-/* Fills error.kept, of cosines: light in the frame of a source in a corner, where a pixel
+/* Fills facts.kept, of cosines: light in the frame of a source in a corner, where a pixel
  * is no smaller than the smallest, and another no larger than that in the middle. */
 static void find_kept(struct gp_sky *s)
 {
@@ -355,8 +355,8 @@ static void find_kept(struct gp_sky *s)
         least = fmin(least, gp_projection_direction(p, x, y).z);
         most = fmax(most, gp_cosines_outside(s->p.cosines, x, y));
     }
-    s->error.kept = fmax(gp_cosines_light(s->p.cosines) - most, 0.0) * least *
-                    least * least * least;
+    s->facts.kept =
+        fmax(s->p.cosines->all - most, 0.0) * least * least * least * least;
 }
 
 /* gp_sky_make() of the channels [from, to), or of all. */
@@ -383,7 +383,10 @@ static gp_status make_channels(const struct gp_log *log,
     s->from = from;
     s->to = to;
     s->ratio = RATIOS[i];
-    s->error.cosines = p->cosines ? gp_cosines_wrong(p->cosines) : 0.0;
+    s->facts.cosines = p->cosines;
+    s->facts.splines = p->cosines ? p->cosines->wrong : 0.0;
+    s->facts.light = p->cosines ? p->cosines->all : 0.0;
+    s->facts.way = p->n ? "levels" : "fft";
     if (!p->n) {
         find_kept(s);
         *out = s;
@@ -410,7 +413,7 @@ static gp_status make_channels(const struct gp_log *log,
     if (tolerance >= SINGLE && s->levels > 2 && to - from == 3)
         GP_TRY(make_levels(log, MEETS, true, s));
     while (!s->level[0].weight ||
-           (s->error.relative > 0.99 * tolerance && i <= LAST))
+           (s->facts.relative > 0.99 * tolerance && i <= LAST))
         GP_TRY(make_levels(log, RATIOS[i++], false, s));
     *out = s;
     s = NULL;
@@ -433,7 +436,7 @@ gp_status gp_sky_make(const struct gp_log *log, const struct gp_sky_params *p,
         GP_TRY(make_channels(log, &own, tint ? c : 0, tint ? c + 1 : 3, last));
         if (!*last)
             goto out;
-        struct gp_sky_error *const e = &s->error, *const more = &(*last)->error;
+        struct gp_sky_facts *const e = &s->facts, *const more = &(*last)->facts;
         e->relative = fmax(e->relative, more->relative);
         e->outside = fmax(e->outside, more->outside);
         e->kept = fmin(e->kept, more->kept);
@@ -496,20 +499,9 @@ double gp_sky_give(struct gp_sky *s)
         double *const own = own_of(s, &n);
         for (int i = 0; i < n; i++)
             own[i] -= given;
-        s->given = given;
+        s->facts.given = given;
     }
     return given;
-}
-
-double gp_sky_given(const struct gp_sky *s)
-{
-    return s->given;
-}
-
-double gp_sky_light(const struct gp_sky *s)
-{
-    return s->spread + s->light.stays +
-           (s->p.cosines ? gp_cosines_light(s->p.cosines) : 0.0);
 }
 
 double gp_sky_left_out(const struct gp_sky *s, double x, double y)
@@ -521,17 +513,7 @@ double gp_sky_left_out(const struct gp_sky *s, double x, double y)
     return sum;
 }
 
-struct gp_cosines *gp_sky_cosines(const struct gp_sky *s)
+const struct gp_sky_facts *gp_sky_facts(const struct gp_sky *sky)
 {
-    return s->p.cosines;
-}
-
-const char *gp_sky_way(const struct gp_sky *s)
-{
-    return s->p.n ? "levels" : "fft";
-}
-
-const struct gp_sky_error *gp_sky_error_of(const struct gp_sky *sky)
-{
-    return &sky->error;
+    return &sky->facts;
 }

@@ -17,7 +17,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Fills the share of light within a chord, by its square. */
 gp_status gp_sky_outside_make(const struct gp_log *log, struct gp_sky *s)
 {
     const struct gp_curve *const of = &s->light.curve;
@@ -37,6 +36,7 @@ gp_status gp_sky_outside_make(const struct gp_log *log, struct gp_sky *s)
             sum += M_PI * step * g->weight[k] *
                    gp_sky_soft(&s->light, 0.0, c + step * (0.5 + g->node[k]));
     }
+    s->facts.light += s->spread + s->light.stays;
     return st;
 }
 
@@ -222,7 +222,7 @@ static gp_status find_outside_error(const struct gp_log *log, struct gp_sky *s)
         square += l.square[k];
         area += l.area[k];
     }
-    s->error.outside = SURE * sqrt(square / area) + 1e-7;
+    s->facts.outside = SURE * sqrt(square / area) + 1e-7;
     gp_free(l.row);
     return GP_OK;
 }
@@ -245,7 +245,7 @@ static void find_kept(struct gp_sky *s)
     }
     for (int i = 0; i < s->outer[0] * s->outer[1]; i++)
         out = fmax(out, (double) s->outside[i]);
-    s->error.kept =
+    s->facts.kept =
         0.99 * fmax(s->spread + s->light.stays - out, 0.0) * least / most;
 }
 

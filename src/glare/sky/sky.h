@@ -68,9 +68,8 @@ void gp_sky_free(struct gp_sky **sky);
 const struct gp_sky *gp_sky_channel(const struct gp_sky *sky, int c);
 
 /* Takes the least share that stays in a pixel anywhere, a float, out of what the
- * levels leave there, for a kernel to have as its centre; and what it took. */
+ * levels leave there, for a kernel to have as its centre. */
 double gp_sky_give(struct gp_sky *sky);
-double gp_sky_given(const struct gp_sky *sky);
 
 /* Adds the layer of sources, or writes it. */
 struct gp_sky_drawing {
@@ -107,16 +106,6 @@ GP_MUST_CHECK gp_status gp_sky_exact(const struct gp_log *log,
                                      const struct gp_sources *src,
                                      double *layer);
 
-/* Its cosines; NULL: none. */
-struct gp_cosines *gp_sky_cosines(const struct gp_sky *sky);
-
-/* The name of the way that its light takes: "levels", or without them "fft". */
-const char *gp_sky_way(const struct gp_sky *sky);
-
-/* The share of light that levels and cosines spread, and that levels leave in its
- * pixel. */
-double gp_sky_light(const struct gp_sky *sky);
-
 /* The share of the light of a white source at (x, y) that falls outside of the frame. */
 double gp_sky_left_out(const struct gp_sky *sky, double x, double y);
 
@@ -128,13 +117,18 @@ double gp_sky_outside(const struct gp_sky *sky, double x, double y);
  * 1e-3 of the light. */
 void gp_sky_outside_row(const struct gp_sky *sky, int y, float *row);
 
-/* Limits of the error of gp_sky_add(), and of its layer. */
-struct gp_sky_error {
+/* Of the light, and limits of the error of gp_sky_add(). */
+struct gp_sky_facts {
+    struct gp_cosines *cosines; // NULL: none
+    const char *way; // that light takes: "levels", or without them "fft"
+    double light; // share that levels and cosines spread, and that levels leave
+                  // in its pixel
+    double given; // what gp_sky_give() took of that
     double relative; // the error's 2-norm over the layer's
-    double cosines;  // and what it is more by of theirs, over that of the light
-    double outside;  // of gp_sky_outside_row(): the root of its mean square
-    double kept;     // samples of a source's layer sum to no less a share of it
+    double splines; // and what it is more by of cosines, over that of the light
+    double outside; // of gp_sky_outside_row(): the root of its mean square
+    double kept;    // samples of a source's layer sum to no less a share of it
 };
-const struct gp_sky_error *gp_sky_error_of(const struct gp_sky *sky);
+const struct gp_sky_facts *gp_sky_facts(const struct gp_sky *sky);
 
 #endif

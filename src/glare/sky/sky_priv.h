@@ -82,7 +82,6 @@ struct gp_sky {
     float *pairs;                 // of the last level: [to][from]; owned
     double *own;                  // of each place; owned
     struct gp_sky_column *column; // of each pixel; owned
-    double given;                 // of it, to a kernel's centre
     struct gp_sky_sphere
         *sphere; // NULL: not LATLONG; what follows is not either
     // light that leaves the frame
@@ -90,7 +89,7 @@ struct gp_sky {
     double spread;              // all of it
     int outer[2], *outer_at[2]; // places along each axis, pixels; owned
     float *outside;             // of each; owned
-    struct gp_sky_error error;
+    struct gp_sky_facts facts;
 };
 
 // -- light.c ------------------------------------------------------------------
@@ -146,9 +145,11 @@ double gp_sky_share(const struct gp_sky *s, const double at[2],
 
 // -- outside.c ----------------------------------------------------------------
 
-/* Fill `within` and `spread`; and the table, which takes `within`. */
+/* Fills `within`, the share of light within a chord, by its square, and its sums. */
 GP_MUST_CHECK gp_status gp_sky_outside_make(const struct gp_log *log,
                                             struct gp_sky *s);
+
+/* Fills the table, by that, and facts.kept and outside. */
 GP_MUST_CHECK gp_status gp_sky_outside_table(const struct gp_log *log,
                                              struct gp_sky *s);
 
@@ -207,7 +208,7 @@ void gp_sky_add_four(const float *const from[4], const float at[4], size_t n,
 
 // -- bound.c ------------------------------------------------------------------
 
-/* Fills `error`, once all else is made. */
+/* Fills facts.relative, once all else is made. */
 GP_MUST_CHECK gp_status gp_sky_error_find(const struct gp_log *log,
                                           struct gp_sky *s);
 

@@ -139,7 +139,7 @@ static void transforms_are_the_sum(void **state)
         const double light =
             sqrt(src.energy[0] + src.energy[1] + src.energy[2]);
         const double limit =
-            gp_sky_error_of(k.sky)->cosines * light + 2e-6 * sqrt(norm);
+            gp_sky_facts(k.sky)->splines * light + 2e-6 * sqrt(norm);
         if (error > limit || error > 1e-4 * light)
             print_message("# %s at %g: %g over %g, limit %g\n", rows[i].recipe,
                           rows[i].fov, error, light, limit);

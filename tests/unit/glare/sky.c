@@ -59,7 +59,7 @@ static void levels_are_the_sum(void **state)
             models[i % COUNT(models)], GP_PERSPECTIVE, W, H, fov, 1e-3);
         struct gp_sky *sky = sky_of(&p);
         assert_non_null(sky);
-        const double bound = gp_sky_error_of(sky)->relative;
+        const double bound = gp_sky_facts(sky)->relative;
         assert_true(bound < 1e-2);
         for (size_t k = 0; k < COUNT(places); k++) {
             struct gp_sources src = sky_lamps(W, H, 1, (int) (W * places[k][0]),
@@ -90,7 +90,7 @@ static void a_tolerance_is_kept(void **state)
     struct gp_sources src = sky_lamps(240, 135, 1, 180, 100);
     (void) state;
     const struct errors e = compare(sky, &src);
-    assert_true(e.all <= gp_sky_error_of(sky)->relative);
+    assert_true(e.all <= gp_sky_facts(sky)->relative);
     assert_true(e.veil < 6e-4);
     gp_sources_free(&src);
     gp_sky_free(&sky);
@@ -108,7 +108,7 @@ static void many_lights_are_within_the_bound(void **state)
         for (int n = 10; n <= 1000; n *= 10) {
             struct gp_sources src = sky_lamps(W, H, n, 0, 0);
             const struct errors e = compare(sky, &src);
-            assert_true(e.all <= gp_sky_error_of(sky)->relative);
+            assert_true(e.all <= gp_sky_facts(sky)->relative);
             assert_true(e.off <= 0.05);
             gp_sources_free(&src);
         }
@@ -145,7 +145,7 @@ static void one_weight_a_node_is_within_the_bound(void **state)
                        fovs[i % COUNT(fovs)], 0.5);
         struct gp_sky *sky = sky_of(&p);
         assert_non_null(sky->single);
-        const double bound = gp_sky_error_of(sky)->relative;
+        const double bound = gp_sky_facts(sky)->relative;
         for (size_t k = 0; k < 3 + COUNT(periods); k++) {
             struct gp_sources src =
                 k < 2    ? sky_lamps(W, H, 1, k ? W - 3 : 65, k ? H - 2 : 36)
@@ -161,7 +161,7 @@ static void one_weight_a_node_is_within_the_bound(void **state)
         gp_sky_free(&sky);
         p.tolerance = 0.01;
         sky = sky_of(&p);
-        assert_true(gp_sky_error_of(sky)->relative <= 0.01);
+        assert_true(gp_sky_facts(sky)->relative <= 0.01);
         assert_true((sky->single != NULL) == (bound <= 0.0099));
         gp_sky_free(&sky);
     }
@@ -285,8 +285,8 @@ static void the_own_pixel_is_as_defined(void **state)
             }
         }
         const double want = own / all;
-        const double got =
-            v[H / 2 * W + W / 2] / (double) src.rgb[0][0] + gp_sky_given(sky);
+        const double got = v[H / 2 * W + W / 2] / (double) src.rgb[0][0] +
+                           gp_sky_facts(sky)->given;
         if (fabs(got / want - 1.0) > 4e-6)
             print_message("# fov %d: %.7f, not %.7f\n", fov, got, want);
         assert_true(fabs(got / want - 1.0) <= 4e-6);
@@ -319,16 +319,16 @@ static void light_is_kept(void **state)
                        gp_projection_solid(&p.projection, i % W, i / W);
             }
             const double least =
-                gp_sky_error_of(sky)->kept * (double) src.rgb[k][0];
+                gp_sky_facts(sky)->kept * (double) src.rgb[k][0];
             assert_true(samples >= least && least >= 0.02 * samples);
             sum /= (double) src.rgb[k][0] *
                    gp_projection_solid(&p.projection, x, y);
             const double out = gp_sky_outside(own, x, y);
-            if (fabs(sum + out - gp_sky_light(sky)) >= 5e-4)
+            if (fabs(sum + out - gp_sky_facts(sky)->light) >= 5e-4)
                 print_message("# fov %d, %d,%d: %g and %g of %g\n", fov, x, y,
-                              sum, out, gp_sky_light(sky));
-            assert_true(fabs(sum + out - gp_sky_light(sky)) < 5e-4);
-            assert_true(fabs(gp_sky_light(sky) - 1.0) < 1e-5);
+                              sum, out, gp_sky_facts(sky)->light);
+            assert_true(fabs(sum + out - gp_sky_facts(sky)->light) < 5e-4);
+            assert_true(fabs(gp_sky_facts(sky)->light - 1.0) < 1e-5);
             gp_sky_outside_row(own, y, row);
             assert_true(fabs((double) row[x] - out) < 1e-3);
             gp_planes_free(&got);
@@ -349,7 +349,7 @@ static void shares_between_places_are_right(void **state)
         const struct gp_sky_params p = sky_params(
             MODELS[i % 2], GP_PERSPECTIVE, W, H, i < 2 ? 30.0 : 90.0, 1e-3);
         struct gp_sky *sky = sky_of(&p);
-        const double bound = gp_sky_error_of(sky)->outside;
+        const double bound = gp_sky_facts(sky)->outside;
         float row[W];
         double sum = 0.0;
         int n = 0;
@@ -385,7 +385,7 @@ static void laws_hold(void **state)
     assert_memory_equal(one.c[0], other.c[0], N * sizeof(float));
     assert_memory_equal(one.c[2], other.c[2], N * sizeof(float));
     const float taken = (float) gp_sky_give(less);
-    assert_true(taken > 0.1f && gp_sky_given(less) == (double) taken);
+    assert_true(taken > 0.1f && gp_sky_facts(less)->given == (double) taken);
     sky_add(less, &src, false, taken, &other);
     for (int i = 0; i < N; i++)
         assert_true(fabsf(one.c[1][i] - other.c[1][i]) <= 1e-6f * one.c[1][i]);
@@ -487,9 +487,9 @@ static void hard_frames_are_served(void **state)
             continue;
         struct gp_sources src = light_of(hard[i].light, w, h);
         const struct errors e = compare(sky, &src);
-        if (!(e.all <= gp_sky_error_of(sky)->relative))
+        if (!(e.all <= gp_sky_facts(sky)->relative))
             fail_msg("row %zu: %.2e of %.2e", i, e.all,
-                     gp_sky_error_of(sky)->relative);
+                     gp_sky_facts(sky)->relative);
         gp_sources_free(&src);
         gp_sky_free(&sky);
     }
