@@ -445,8 +445,8 @@ static gp_status find_cosines(const struct gp_log *log,
         return GP_OK;
     st = gp_planes_make(log, "edges", (size_t) w * (size_t) h, out);
     return st ? st
-              : gp_cosines_beyond(log, gp_sky_facts(k->sky)->cosines,
-                                  (struct gp_rect) {0, 0, w, h}, out);
+              : gp_cosines_beyond(log, gp_sky_facts(k->sky)->cosines, w, h,
+                                  out);
 }
 
 gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,

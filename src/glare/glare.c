@@ -113,22 +113,6 @@ static int find_engine(const char *name)
     return gp_engines[i] ? i : -1;
 }
 
-/* Light that is added to the rows that an engine draws. */
-struct rest {
-    struct gp_far_rows *far;   // or NULL
-    struct gp_outside *beyond; // or NULL
-    int h;
-};
-
-static void add_rest(void *ctx, int y, int thread)
-{
-    const struct rest *const r = ctx;
-    for (int c = 0; c < 3 && r->far; c++)
-        gp_far_add_row(r->far, c * r->h + y, thread);
-    if (r->beyond)
-        gp_beyond_add_row(r->beyond, y, thread);
-}
-
 /* A frame on its way to a layer. */
 struct drawing {
     struct gp_glare *g;
@@ -266,31 +250,28 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     struct gp_glare *const g = d->g;
     struct gp_glare_request *const req = &d->req;
     const int h = d->src->h;
-    struct rest parts = {.h = h};
+    struct gp_far_rows *far = NULL;
     if (req->far)
         GP_TRY(gp_far_find(log, d->kernel->far, g->far, req->src, d->src->w, h,
-                           &d->f->layer, &parts.far));
-    if (d->beyond) {
+                           &d->f->layer, &far));
+    if (d->beyond)
         GP_TRY(gp_outside_find(log, d->drawn, d->drawn->far ? g->far : NULL,
                                d->beyond, &d->f->layer, &g->outside));
-        parts.beyond = d->times ? NULL : g->outside; // as bright as the frame
-    }
     if (d->kernel->sky && !d->core)
         GP_TRY(draw_sky(log, engine, d));
     else
         GP_TRY(gp_engines[engine->engine]->run(req, &g->state[engine->engine]));
-    if (parts.far || parts.beyond)
-        gp_parallel_do(h, add_rest, &parts);
+    if (far)
+        gp_parallel_do(3 * h, gp_far_add_row, far);
     // an engine's bound is that of its own sum
     if (!(engine->bound > 0.0))
         req->stats->bound += req->floor;
-    if (d->times) {
+    if (d->times)
         double_layer(log, d->path, d->f, d->times, &req->stats->bound);
-        if (d->beyond)
-            gp_parallel_do(h, gp_beyond_add_row, g->outside);
-    }
+    if (d->beyond) // as bright as the frame
+        gp_parallel_do(h, gp_beyond_add_row, g->outside);
 out:
-    gp_far_rows_free(&parts.far);
+    gp_far_rows_free(&far);
     return st;
 }
 

@@ -39,33 +39,34 @@ static int shown(const struct gp_margin *m, int x, int w)
     return gp_min(gp_max(around, 0), w - 1);
 }
 
-/* The column beyond the left side, or the right one, that shows column x. */
-static int place_of(const struct gp_margin *m, int x, int w, bool left)
+/* The place of column x of a row in the picture, at side 0, or in the margin on the left,
+ * -1, or on the right, 1; where a turn has no columns that is its mirror image. */
+static int place_of(const struct gp_margin *m, int side, int x, int w)
 {
-    return m->turn ? x + (left ? -m->turn : m->turn)
-                   : (left ? -1 : 2 * w - 1) - x;
+    return !side     ? x
+           : m->turn ? x + side * m->turn
+                     : (side < 0 ? -1 : 2 * w - 1) - x;
 }
 
-/* Tests whether the margin has that column. */
-static bool has(const struct gp_margin *m, int x, int w, bool left)
-{
-    const int at = place_of(m, x, w, left);
-    return left ? at >= -m->x && at < 0 : at >= w && at < w + m->x;
-}
-
-/* Adds those sources of a row that the margin of a side shows, from the left to the
- * right. */
-static void add_side(const struct gp_sources *src, const struct gp_margin *m,
-                     bool left, int y, int to, struct gp_sources *out)
+/* Adds row y of sources to row `to` of a picture with a margin, from the left to the right,
+ * or where `out` is NULL counts them. */
+static size_t add_row(const struct gp_sources *src, const struct gp_margin *m,
+                      int y, int to, struct gp_sources *out)
 {
     const uint32_t first = src->row[y], last = src->row[y + 1];
-    for (uint32_t k = first; k < last; k++) {
-        const uint32_t i = m->turn ? k : last - 1 - (k - first);
-        if (has(m, src->x[i], src->w, left))
-            gp_sources_copy(src, i, 1.0,
-                            place_of(m, src->x[i], src->w, left) + m->x, to,
-                            out);
+    size_t n = 0;
+    for (int side = -1; side <= 1; side++) {
+        for (uint32_t k = first; k < last; k++) {
+            const uint32_t i = side && !m->turn ? last - 1 - (k - first) : k;
+            const int x = place_of(m, side, src->x[i], src->w);
+            const bool has = x >= -m->x && x < src->w + m->x &&
+                             (!side || x < 0 || x >= src->w);
+            n += has;
+            if (has && out)
+                gp_sources_copy(src, i, 1.0, m->x + x, to, out);
+        }
     }
+    return n;
 }
 
 gp_status gp_mirror_sources(const struct gp_log *log,
@@ -73,27 +74,18 @@ gp_status gp_mirror_sources(const struct gp_log *log,
                             const struct gp_margin *m, struct gp_sources *out)
 {
     struct gp_sources like = *src;
-    const int w = src->w, h = src->h;
     size_t n = 0;
     like.w += 2 * m->x;
     like.h += 2 * m->y;
     like.x0 -= m->x;
     like.y0 -= m->y;
-    for (int y = -m->y; y < h + m->y; y++) {
-        const int from = mirrored(y, h);
-        for (uint32_t i = src->row[from]; i < src->row[from + 1]; i++)
-            n += 1u + has(m, src->x[i], w, true) + has(m, src->x[i], w, false);
-    }
+    for (int y = 0; y < like.h; y++)
+        n += add_row(src, m, mirrored(y - m->y, src->h), y, NULL);
     gp_status st = gp_sources_make(log, &like, n, out);
     if (st)
         return st;
-    for (int y = -m->y; y < h + m->y; y++) {
-        const int from = mirrored(y, h);
-        add_side(src, m, true, from, y + m->y, out);
-        for (uint32_t i = src->row[from]; i < src->row[from + 1]; i++)
-            gp_sources_copy(src, i, 1.0, m->x + src->x[i], y + m->y, out);
-        add_side(src, m, false, from, y + m->y, out);
-    }
+    for (int y = 0; y < like.h; y++)
+        (void) add_row(src, m, mirrored(y - m->y, src->h), y, out);
     gp_sources_finish(out);
     return GP_OK;
 }

@@ -71,12 +71,11 @@ void gp_cosines_at(const struct gp_kernel *k, double u, double v, double d[3]);
  * 1e-3 of the light. */
 double gp_cosines_outside(const struct gp_cosines *c, double x, double y);
 
-/* Fills planes of a picture with the share of a pixel's glare that comes from outside
+/* Fills planes of w x h pixels, as below, with the share of a pixel's glare that comes from outside
  * where all is even, by channel. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_cosines_beyond(const struct gp_log *log,
-                                          const struct gp_cosines *c,
-                                          struct gp_rect picture,
-                                          struct gp_planes *share);
+                                          const struct gp_cosines *c, int w,
+                                          int h, struct gp_planes *share);
 
 /* State that is kept from frame to frame: NULL at first. */
 struct gp_cosines_kept;
@@ -89,8 +88,8 @@ void gp_cosines_kept_free(struct gp_cosines_kept **kept);
 GP_MUST_CHECK gp_status gp_cosines_add(const struct gp_log *log,
                                        const struct gp_cosines *c,
                                        const struct gp_source *source, size_t n,
-                                       struct gp_rect picture,
-                                       struct gp_planes *layer, bool last,
+                                       int w, int h, struct gp_planes *layer,
+                                       bool last,
                                        struct gp_cosines_kept **kept);
 
 /* The same as it is defined, pair by pair in double, of sources in the grid's pixels: to

@@ -81,7 +81,7 @@ static void a_lamp_is_the_same_all_over(void **state)
                               models[m], i, apart, light);
             assert_true(apart <= 3e-3);
             assert_true(fabs(light - 1.0) <= 1e-3);
-            assert_true(sqrt(error / norm) <= sky->error.relative);
+            assert_true(sqrt(error / norm) <= sky->facts.relative);
             gp_planes_free(&got);
             gp_sources_free(&src);
             free(want);
@@ -330,7 +330,7 @@ static void fisheyes_have_a_rim(void **state)
             kept += want[i] *
                     gp_projection_solid(&p.projection, i % SIDE, i / SIDE);
         }
-        assert_true(sqrt(error / norm) <= sky->error.relative);
+        assert_true(sqrt(error / norm) <= sky->facts.relative);
         kept /= (double) src.rgb[0][0] * omega;
         const double beyond = gp_sky_outside(sky, at[0], at[1]);
         if (fabs(1.0 - kept - beyond) > 2e-3)
