@@ -24,6 +24,7 @@
 typedef enum gp_status { GP_STATUS_LIST(GP_STATUS_ENUM) } gp_status;
 
 #define GP_MUST_CHECK __attribute__((warn_unused_result))
+#define GP_UNUSED __attribute__((unused)) // a parameter
 #define GP_PRINTF(fmt, args) __attribute__((format(printf, fmt, args)))
 
 /* BARE is an error whose line names no file ("sensors: out of memory"): the

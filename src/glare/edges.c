@@ -491,11 +491,10 @@ struct outer {
     int w;
 };
 
-static void find_outer(void *ctx, int y, int thread)
+static void find_outer(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct outer *const o = ctx;
     const size_t row = (size_t) y * (size_t) o->w;
-    (void) thread;
     for (int x = 0; x < o->w; x++)
         o->share[row + (size_t) x] = isnan(o->layer[row + (size_t) x])
                                          ? 0.0

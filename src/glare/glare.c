@@ -457,7 +457,7 @@ struct tinting {
 };
 
 /* In double, where no luminance overflows, and white stays as it is. */
-GP_CLONES static void tint_row(void *ctx, int y, int thread)
+GP_CLONES static void tint_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct tinting *const m = ctx;
     const size_t w = (size_t) gp_image_w(m->f), at = (size_t) y * w;
@@ -465,7 +465,6 @@ GP_CLONES static void tint_row(void *ctx, int y, int thread)
     const double s = (double) m->p->saturation;
     float *const v[3] = {m->f->layer.c[0] + at, m->f->layer.c[1] + at,
                          m->f->layer.c[2] + at};
-    (void) thread;
     for (size_t x = 0; x < w; x++) {
         const double grey = (1.0 - s) * ((double) weight[0] * (double) v[0][x] +
                                          (double) weight[1] * (double) v[1][x] +

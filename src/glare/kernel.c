@@ -221,11 +221,10 @@ static double tap(const struct rotating *u, int c, int x, int y)
     return (double) gp_planes_at(&u->from.k, c, u->from.w, u->from.h, x, y);
 }
 
-static void rotate_row(void *ctx, int row, int thread)
+static void rotate_row(void *ctx, int row, GP_UNUSED int thread)
 {
     const struct rotating *const u = ctx;
     const struct raw_kernel *const to = u->to;
-    (void) thread;
     for (int i = 0; i < to->w; i++) {
         const int dx = i - to->cx, dy = row - to->cy;
         const double x = u->from.cx + (u->cos * dx - u->sin * dy);
@@ -361,13 +360,12 @@ struct resampling {
     float *out;       // x.to_n * y.to_n
 };
 
-static void resample_row(void *ctx, int y, int thread)
+static void resample_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct resampling *const r = ctx;
     const float *const in = r->in + (size_t) y * (size_t) r->x.n;
     float *const out = r->across + (size_t) y * (size_t) r->x.to_n;
     double a, b;
-    (void) thread;
     for (int i = 0; i < r->x.to_n; i++) {
         double sum = 0.0;
         for (int j = covered_span(&r->x, i, &a, &b); j < b; j++)
@@ -376,14 +374,13 @@ static void resample_row(void *ctx, int y, int thread)
     }
 }
 
-static void resample_columns(void *ctx, int i, int thread)
+static void resample_columns(void *ctx, int i, GP_UNUSED int thread)
 {
     enum { STRIP = 256 };
     const struct resampling *const r = ctx;
     const int w = r->x.to_n;
     float *const out = r->out + (size_t) i * (size_t) w;
     double sum[STRIP], a, b;
-    (void) thread;
     const int first = covered_span(&r->y, i, &a, &b);
     for (int x = 0; x < w; x += STRIP) {
         const int n = gp_min(w - x, STRIP);

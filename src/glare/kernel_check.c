@@ -202,7 +202,7 @@ static void add_samples(const struct measuring *m, int x, int y, int n,
     }
 }
 
-static void measure_band(void *ctx, int i, int thread)
+static void measure_band(void *ctx, int i, GP_UNUSED int thread)
 {
     struct measuring *const m = ctx;
     const struct gp_kernel *const k = m->k;
@@ -210,7 +210,6 @@ static void measure_band(void *ctx, int i, int thread)
     const int from = (int) ((long long) k->h * i / BANDS);
     const int to = (int) ((long long) k->h * (i + 1) / BANDS);
     float v[STRIP], mirror[STRIP];
-    (void) thread;
     b->f.place.peak = b->f.place.mirrored = m->centre;
     for (int y = from; y < to; y++) {
         for (int x = 0; x < k->w; x += STRIP) {

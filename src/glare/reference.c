@@ -22,7 +22,7 @@ struct plain {
 };
 
 /* layer(p) = sum over q of source(q) * kernel(p - q), one row of p. */
-GP_CLONES static void plain_row(void *ctx, int y, int thread)
+GP_CLONES static void plain_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct plain *const s = ctx;
     const struct gp_sources *const src = s->src;
@@ -31,7 +31,6 @@ GP_CLONES static void plain_row(void *ctx, int y, int thread)
     const int first = gp_clamp_wide((long long) y + k->cy - k->h + 1, 0,
                                     src->h);
     const int end = gp_clamp_wide((long long) y + k->cy + 1, 0, src->h);
-    (void) thread;
     for (int c = 0; c < 3; c++) {
         double *const out =
             s->layer +

@@ -175,13 +175,12 @@ static void clean_again(struct sense *s, int blocks)
 }
 
 /* The largest finite value of a block, and its light. */
-static void measure_block(void *ctx, int i, int thread)
+static void measure_block(void *ctx, int i, GP_UNUSED int thread)
 {
     struct sense *const s = ctx;
     struct block_sum *const sum = &s->block[i];
     const size_t w = (size_t) s->w;
     const size_t end = w * (size_t) gp_min((i + 1) * BLOCK, s->h);
-    (void) thread;
     for (int k = 0; k < 3; k++) {
         sum->light[k] = 0.0;
         for (size_t p = (size_t) i * BLOCK * w; p < end; p++) {
@@ -281,14 +280,13 @@ GP_CLONES static void sum_row(struct bright_piece *c, int n,
 }
 
 /* Writes the sources of a block's rows at their places in the list. */
-static void list_block(void *ctx, int block, int thread)
+static void list_block(void *ctx, int block, GP_UNUSED int thread)
 {
     struct sense *const s = ctx;
     const struct gp_sources *const o = s->out;
     struct block_sum *const sum = &s->block[block];
     struct bright_piece c;
     const int y0 = block * BLOCK, end = gp_min(y0 + BLOCK, s->h);
-    (void) thread;
     if (o->row[end] == o->row[y0])
         return;
     for (int y = y0; y < end; y++) {

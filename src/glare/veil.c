@@ -142,11 +142,10 @@ static struct sums look_at_lamp(const struct pass *s, int i)
     return n > 1 ? sum : whole;
 }
 
-static void sum_row(void *ctx, int i, int thread)
+static void sum_row(void *ctx, int i, GP_UNUSED int thread)
 {
     const struct pass *const s = ctx;
     int span[2];
-    (void) thread;
     find_span(s, s->window.y0 + i, span);
     for (int x = span[0]; x < span[1]; x++) {
         const struct sums one = look_at_pixel(s, x, s->window.y0 + i);

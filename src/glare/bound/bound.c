@@ -124,13 +124,12 @@ GP_CLONES static void add_scaled(double *restrict to,
 }
 
 /* Adds to row y of cells the least light that they get from all cells. */
-static void add_least_row(void *ctx, int y, int thread)
+static void add_least_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct spreading *const f = ctx;
     const struct table *const t = f->table;
     const int columns = f->cells->columns;
     double *const line = f->out + (size_t) y * (size_t) columns;
-    (void) thread;
     for (int i = 0; i < t->w * t->h; i++) {
         const int dx = t->x0 + i % t->w, dy = t->y0 + i / t->w;
         const int from = gp_max(dx, 0), end = columns + gp_min(dx, 0);
@@ -346,7 +345,7 @@ static double own_luminance(const struct floors *m, size_t x, size_t y,
     return sum;
 }
 
-static void bound_row(void *ctx, int row, int thread)
+static void bound_row(void *ctx, int row, GP_UNUSED int thread)
 {
     const struct floors *const m = ctx;
     const struct gp_sources *const t = m->req->params->taken;
@@ -354,7 +353,6 @@ static void bound_row(void *ctx, int row, int thread)
     const size_t w = (size_t) gp_image_w(m->f);
     const size_t end = (size_t) gp_min((row + 1) * side, m->cells.h);
     const size_t first = (size_t) row * (size_t) m->cells.columns;
-    (void) thread;
     for (int x = 0; x < m->cells.columns; x++) {
         m->least[first + (size_t) x] = INFINITY;
         m->most[first + (size_t) x] = -INFINITY;

@@ -365,10 +365,9 @@ void gp_far_rows_free(struct gp_far_rows **rows)
 }
 
 /* Row `j` of nodes of light 1 everywhere: what all pixels give them. */
-static void load_flat(const void *ctx, int c, int j, float *z)
+static void load_flat(const void *ctx, GP_UNUSED int c, int j, float *z)
 {
     const struct gp_far_rows *const a = ctx;
-    (void) c;
     for (int x = 0; x < a->nodes_x; x++)
         z[x] = a->sums[x] * a->sums[a->nodes_x + j];
 }

@@ -76,14 +76,13 @@ struct sampling {
 
 /* Samples the row of offset i - ry or, where samples are even, the right half
  * of that of offset i. */
-static void sample_row(void *ctx, int i, int thread)
+static void sample_row(void *ctx, int i, GP_UNUSED int thread)
 {
     const struct sampling *const s = ctx;
     const struct gp_far_field *const t = s->t;
     const int step = t->split.step, y = s->kernel->even ? i : i - t->ry;
-    const size_t row = (size_t) (t->ry + y) * (2 * (size_t) t->rx + 1) +
-                       (size_t) t->rx;
-    (void) thread;
+    const size_t row =
+        (size_t) (t->ry + y) * (2 * (size_t) t->rx + 1) + (size_t) t->rx;
     for (int x = s->kernel->even ? 0 : -t->rx; x <= t->rx; x++) {
         double v[3];
         const double k = gp_far_share(&t->split, x * step, y * step) *
@@ -143,13 +142,12 @@ struct dividing {
     int times;
 };
 
-static void divide_lines(void *ctx, int task, int thread)
+static void divide_lines(void *ctx, int task, GP_UNUSED int thread)
 {
     static const double Z = -0.26794919243112270647; // sqrt 3 - 2
     const struct dividing *const d = ctx;
     const size_t pitch = d->pitch, across = d->across;
     const size_t lines = (size_t) gp_min(d->lines - task * LINES, LINES);
-    (void) thread;
     for (int pass = 0; pass < d->times; pass++) {
         double *at = d->at + (size_t) task * LINES * across;
         for (int i = 1; i < d->n; i++, at += pitch) {

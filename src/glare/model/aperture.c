@@ -420,10 +420,9 @@ static void make_blades(struct iris *s, double roundness)
 }
 
 static double aperture_pupil(const struct gp_recipe *r,
-                             const struct gp_field *f)
+                             GP_UNUSED const struct gp_field *f)
 {
     const double pupil = gp_recipe_value(r, "pupil");
-    (void) f;
     return pupil > 0.0 ? pupil : gp_recipe_value(r, "focal") /
                                      gp_recipe_value(r, "fnumber");
 }

@@ -116,19 +116,18 @@ static struct cie cie_of(const struct gp_recipe *r, bool sphere, double *light)
     return e;
 }
 
-static double cie_light(const struct gp_angular *a, int c, double t)
+static double cie_light(const struct gp_angular *a, GP_UNUSED int c, double t)
 {
-    (void) c;
     const struct cie e = {a->v[0], a->v[1], {a->v[2], a->v[3]}, a->v[4] > 0.0};
     return cie_sky(&e, t);
 }
 
-static bool cie_angular(const struct gp_recipe *r, const struct gp_field *f,
+static bool cie_angular(const struct gp_recipe *r,
+                        GP_UNUSED const struct gp_field *f,
                         struct gp_angular *out)
 {
     double sum;
     const struct cie e = cie_of(r, true, &sum);
-    (void) f;
     *out = (struct gp_angular) {
         .light = cie_light,
         .v = {e.age, e.pigment, e.less[0], e.less[1], e.general},

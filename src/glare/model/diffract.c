@@ -78,7 +78,8 @@ static void finish_columns(void *ctx, int block, int thread)
 }
 
 /* A row of samples, and without a path the one across the centre. */
-static void store_samples(const void *ctx, int c, int j, const float *z)
+static void store_samples(const void *ctx, GP_UNUSED int c, int j,
+                          const float *z)
 {
     const struct finishing *const f = ctx;
     const int n = f->t[0].n, rx = f->out->cx, ry = f->out->cy;
@@ -88,7 +89,6 @@ static void store_samples(const void *ctx, int c, int j, const float *z)
     const size_t w = 2 * (size_t) rx + 1;
     float *const to = f->out->k.c[f->c] + (size_t) (y + ry) * w;
     float *const other = f->out->k.c[f->c] + (size_t) (ry - y) * w;
-    (void) c;
     for (int x = f->first == 0 && y == 0 ? 0 : -rx; x <= rx; x++) {
         const double at = gp_hypot(f->pixel[0] * x, f->pixel[1] * y);
         const double window = across * gp_sinc((double) x / n);
@@ -550,10 +550,9 @@ struct drawing {
     struct gp_pupil *p;
 };
 
-static void draw_row(void *ctx, int y, int thread)
+static void draw_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct drawing *const d = ctx;
-    (void) thread;
     d->d->draw(d->d->ctx, d->p, y);
 }
 

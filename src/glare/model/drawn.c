@@ -109,9 +109,9 @@ static struct moffat moffat_of(const struct gp_recipe *r)
     return m;
 }
 
-static double moffat_light(const struct gp_angular *a, int c, double t)
+static double moffat_light(const struct gp_angular *a, GP_UNUSED int c,
+                           double t)
 {
-    (void) c;
     const struct moffat m = {a->v[0], a->v[1], a->v[2]};
     double v[3];
     moffat_profile(&m, t, v);
@@ -125,12 +125,12 @@ static void moffat_in_plane(const void *ctx, double t, double out[3])
     out[0] *= gp_plane_factor(t);
 }
 
-static bool moffat_angular(const struct gp_recipe *r, const struct gp_field *f,
+static bool moffat_angular(const struct gp_recipe *r,
+                           GP_UNUSED const struct gp_field *f,
                            struct gp_angular *out)
 {
     const struct moffat m = moffat_of(r);
     double sum[3];
-    (void) f;
     gp_profile_integral(moffat_in_plane, &m, 1, 0.0, 90.0, sum);
     *out = (struct gp_angular) {
         .light = moffat_light,

@@ -160,10 +160,9 @@ static bool spencer_adapts(const struct gp_recipe *r)
 }
 
 static double spencer_pupil(const struct gp_recipe *r,
-                            const struct gp_field *f)
+                            GP_UNUSED const struct gp_field *f)
 {
     const double pupil = gp_recipe_value(r, "pupil");
-    (void) f;
     return pupil > 0.0 ? pupil
            : spencer_adapts(r)
                ? gp_pupil_moon_spencer(gp_recipe_value(r, "adaptation"))
@@ -370,14 +369,13 @@ static void add_pixel(const struct needling *m, int x, int y, double v[4])
 }
 
 /* The needles of the pixels y rows above and below the light. */
-static void needle_row(void *ctx, int y, int thread)
+static void needle_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct needling *const m = ctx;
     const size_t w = 2 * (size_t) m->rx + 1;
     float *const up = m->out + (size_t) (m->ry - y) * w + m->rx;
     float *const down = m->out + (size_t) (m->ry + y) * w + m->rx;
     double sum = 0.0;
-    (void) thread;
     for (int x = y > NEAR ? 0 : NEAR + 1; x <= m->rx; x++) {
         const double nearest =
             gp_hypot(m->a * fmax(x - 1.0, 0.0), m->b * fmax(y - 1.0, 0.0));

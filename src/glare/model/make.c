@@ -230,7 +230,7 @@ static void take_far(const struct mixture *m, const struct gp_far_split *split,
 
 /* Row y - ry, or the two of that distance from the centre where shapes are
  * even; then only the right half is evaluated. */
-static void make_row(void *ctx, int i, int thread)
+static void make_row(void *ctx, int i, GP_UNUSED int thread)
 {
     const struct filling *const f = ctx;
     const struct mixture *const m = f->m;
@@ -238,7 +238,6 @@ static void make_row(void *ctx, int i, int thread)
     const int y = m->even ? i : i - f->ry;
     const size_t at = (size_t) (f->ry + y) * (size_t) w;
     double sum[3][GP_SHAPE_STRIP];
-    (void) thread;
     for (int x = m->even ? 0 : -f->rx; x <= f->rx; x += GP_SHAPE_STRIP) {
         const int n = gp_min(f->rx + 1 - x, GP_SHAPE_STRIP);
         mix_row(m, false, x, y, n, sum);

@@ -71,10 +71,9 @@ struct dividing {
     double *wrong;         // of a thread
 };
 
-static void load_row(const void *ctx, int c, int j, float *z)
+static void load_row(const void *ctx, GP_UNUSED int c, int j, float *z)
 {
     const struct dividing *const d = ctx;
-    (void) c;
     memcpy(z, d->plane + (size_t) j * (size_t) d->w, (size_t) d->w * sizeof *z);
 }
 
@@ -119,11 +118,10 @@ static void divide_columns(void *ctx, int block, int thread)
             rows[y * POINT + i] = out[y * POINT + (i + LINES) % POINT];
 }
 
-static void store_row(const void *ctx, int c, int j, const float *z)
+static void store_row(const void *ctx, GP_UNUSED int c, int j, const float *z)
 {
     const struct dividing *const d = ctx;
     const float scale = (float) (0.5 / ((double) d->t[0].n * d->t[1].n));
-    (void) c;
     for (int x = 0; x < d->w; x++)
         d->plane[(size_t) j * (size_t) d->w + (size_t) x] = scale * z[x];
 }

@@ -163,7 +163,7 @@ GP_CLONES static void add_pixel(const struct rays *r, const struct strand *s,
 
 /* Makes row i of the samples, and where opposite rays are alike the one
  * opposite to it. */
-static void make_row(void *ctx, int i, int thread)
+static void make_row(void *ctx, int i, GP_UNUSED int thread)
 {
     const struct rays *const r = ctx;
     const int rx = r->to->cx, n = 2 * rx + 1;
@@ -171,7 +171,6 @@ static void make_row(void *ctx, int i, int thread)
     const size_t at = (size_t) i * (size_t) n;
     const bool both = r->even && i != opposite;
     double sums[3] = {0};
-    (void) thread;
     const double a = r->a, v = r->b * y, side = CUT * r->width + a + r->b;
     for (int k = 0; k < r->n; k++) {
         const struct strand *const s = &r->strand[k];

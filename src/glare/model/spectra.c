@@ -371,13 +371,12 @@ sum_rows(const struct summing *s, const struct band *b, int block,
 
 /* Adds a strip of lags to GP_LANES columns of the spectrum at all wavelengths. A
  * at (u, -v) is conjugate to that at (-u, v): the column of -k. */
-GP_CLONES static void sum_strip(void *ctx, int block, int thread)
+GP_CLONES static void sum_strip(void *ctx, int block, GP_UNUSED int thread)
 {
     const struct summing *const s = ctx;
     const size_t at = lag_at(s->a, 0, s->strip * STRIP);
     float sums[2][GP_LANES][STRIP] = {0};
     eight t[2][STRIP][LANE_EIGHTS];
-    (void) thread;
     for (int i = 0; i < s->bands; i++) {
         const struct band *const b = &s->band[i];
         const int lanes =

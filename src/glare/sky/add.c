@@ -263,11 +263,10 @@ static void spread_rows(void *ctx, int group, int thread)
 }
 
 /* Node i of the last level. */
-static void spread_last(void *ctx, int i, int thread)
+static void spread_last(void *ctx, int i, GP_UNUSED int thread)
 {
     const struct adding *const a = ctx;
     const int l = a->sky->levels - 1, n = a->sky->level[l].w;
-    (void) thread;
     const float *const w =
         a->sky->pairs + (size_t) i * (size_t) n * (size_t) a->sky->level[l].h;
     for (int c = a->sky->from; c < a->sky->to; c++) {

@@ -148,12 +148,11 @@ static void add_all(const struct beyond *b, struct gp_rect tile)
     }
 }
 
-static void add_tile(void *ctx, int i, int thread)
+static void add_tile(void *ctx, int i, GP_UNUSED int thread)
 {
     const struct beyond *const b = ctx;
     const int across = (b->w + TILE - 1) / TILE;
     const int x = i % across * TILE, y = i / across * TILE;
-    (void) thread;
     add_all(b, (struct gp_rect) {x, y, gp_min(x + TILE, b->w),
                                  gp_min(y + TILE, b->h)});
 }

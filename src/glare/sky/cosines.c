@@ -273,11 +273,10 @@ static inline void place_of(const struct gp_cosine_grid *g, double x, double y,
 }
 
 /* Lays light on the nodes, one channel. */
-GP_CLONES static void lay_channel(void *ctx, int c, int thread)
+GP_CLONES static void lay_channel(void *ctx, int c, GP_UNUSED int thread)
 {
     const struct adding *const a = ctx;
     const size_t wide = (size_t) a->lit[0].n;
-    (void) thread;
     for (size_t i = 0; i < a->n; i++) {
         const struct point *const p = &a->point[i];
         const struct taps t =
@@ -312,11 +311,10 @@ static void add_pairs(const struct adding *a, const double at[2], double sum[3])
 }
 
 /* Adds a row of the picture. */
-GP_CLONES static void add_row(void *ctx, int y, int thread)
+GP_CLONES static void add_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct adding *const a = ctx;
     const size_t wide = (size_t) a->all[0].n, w = (size_t) a->w;
-    (void) thread;
     for (int x = 0; x < a->w; x++) {
         const size_t i = (size_t) y * w + (size_t) x;
         double at[2], sum[3] = {0};
@@ -463,10 +461,9 @@ static void add_far_row(void *ctx, int i, int thread)
         to[x] += line[x];
 }
 
-static void clear_plane(void *ctx, int c, int thread)
+static void clear_plane(void *ctx, int c, GP_UNUSED int thread)
 {
     const struct adding *const a = ctx;
-    (void) thread;
     memset(a->spread.c[c], 0,
            (size_t) a->all[0].n * (size_t) a->all[1].n * sizeof(float));
 }

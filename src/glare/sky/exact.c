@@ -69,13 +69,12 @@ static void sum_pixel(const struct gp_sky *s, const struct gp_sources *src,
     }
 }
 
-static void exact_row(void *ctx, int y, int thread)
+static void exact_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct exact *const e = ctx;
     const struct gp_sources *const src = e->src;
     const size_t w = (size_t) src->w, plane = w * (size_t) src->h;
     int span[2];
-    (void) thread;
     gp_projection_span(&e->sky->p.projection, 0.0, y, src->w, span);
     for (int x = 0; x < src->w; x++) {
         const size_t i = (size_t) y * w + (size_t) x;

@@ -44,13 +44,12 @@ static int mirror_of(const struct gp_sky *s, int i, bool turned[2])
 }
 
 /* Takes a place's weights from its mirror image. */
-static void turn_place(void *ctx, int i, int thread)
+static void turn_place(void *ctx, int i, GP_UNUSED int thread)
 {
     const struct making *const m = ctx;
     struct gp_sky *const s = m->s;
     bool turned[2];
     const int from = mirror_of(s, i, turned);
-    (void) thread;
     if (from == i)
         return;
     s->own[i] = s->own[from];
@@ -286,14 +285,13 @@ static void free_levels(struct gp_sky *s)
 }
 
 /* Fills the weights of a single level's nodes between the places of a row. */
-static void make_line(void *ctx, int i, int thread)
+static void make_line(void *ctx, int i, GP_UNUSED int thread)
 {
     const struct making *const m = ctx;
     const int rows = m->s->places.n[1], columns = m->s->places.n[0];
     struct gp_sky_level *const g = &m->s->level[1 + i / rows];
     const double *const sum = g->sum + (size_t) (i % rows) * (size_t) columns;
     float *const line = g->line + (size_t) (i % rows) * (size_t) g->w;
-    (void) thread;
     for (int x = 0; x < g->w; x++) {
         const struct gp_sky_column *const b = &g->column[x];
         double v = 0.0;

@@ -14,13 +14,12 @@ struct indexing {
     const struct gp_sky_index *index;
 };
 
-static void index_row(void *ctx, int y, int thread)
+static void index_row(void *ctx, int y, GP_UNUSED int thread)
 {
     const struct indexing *const a = ctx;
     const struct gp_sources *const s = a->src;
     uint32_t *const at = gp_sky_index_row(a->index, y);
     uint32_t i = s->row[y];
-    (void) thread;
     for (int b = 0; b < a->index->blocks; b++) {
         while (i < s->row[y + 1] && s->x[i] < b * BLOCK)
             i++;

@@ -163,10 +163,9 @@ static int lay_axis(int n, int *at)
     return count;
 }
 
-static void find_row(void *ctx, int j, int thread)
+static void find_row(void *ctx, int j, GP_UNUSED int thread)
 {
     struct gp_sky *const s = ctx;
-    (void) thread;
     const int w = s->outer[0], h = s->outer[1];
     for (int i = 0; i < w; i++) {
         // mirrored places have the same share
