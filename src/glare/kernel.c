@@ -106,9 +106,7 @@ static gp_status find_factor(const struct gp_log *log,
                        (double) all->peak, (double) FLT_MIN);
     if (as_it_is)
         return GP_OK;
-    double sum = 0.0;
-    for (int c = 0; c < 3; c++)
-        sum += (double) raw->luminance[c] * all->sum[c];
+    const double sum = gp_luminance_of(raw->luminance, all->sum);
     // (a tiny sum of large lobes would leave the range of float)
     if (!(sum > 0.0) || !((double) all->peak / sum <= (double) FLT_MAX))
         return gp_fail_at(log, GP_ERR_DATA, "kernel.as_it_is",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "glare/kernel_check.h"
 
+#include "core/colour.h"
 #include "core/cpu.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -255,10 +256,8 @@ void gp_kernel_glance(const struct gp_kernel *k, const float luminance[3],
     *out = (struct gp_kernel_figures) {
         .w = k->w, .h = k->h, .left_out = k->left_out,
     };
-    for (int c = 0; c < 3; c++) {
-        out->sum[c] = k->sum[c];
-        out->light += (double) luminance[c] * k->sum[c];
-    }
+    memcpy(out->sum, k->sum, sizeof out->sum);
+    out->light = gp_luminance_of(luminance, k->sum);
     read_row(&m, k->cx, 1, k->cy, &own);
     out->own = out->light > 0.0 ? (double) own / out->light : 0.0;
 }
@@ -369,8 +368,7 @@ static double rounded(double v)
     return round(1e4 * v) / 1e4 + 0.0;
 }
 
-static void say(struct gp_fault *out, const char *parameter, const char *fmt,
-                ...) GP_PRINTF(3, 4);
+GP_PRINTF(3, 4)
 static void say(struct gp_fault *out, const char *parameter, const char *fmt,
                 ...)
 {

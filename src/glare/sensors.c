@@ -58,7 +58,7 @@ struct sense {
     struct block_sum *block;
     uint32_t *bright;            // pixels of each row
     struct gp_sources *out;
-    uint32_t (*dark)[DARK_BINS]; // of each thread: luminance of the grid
+    uint16_t *dark;              // of each pixel of the grid: bin of luminance
     size_t step;                 // of the grid, in pixels
 };
 
@@ -131,7 +131,7 @@ static void clean_row(const struct sense *s, struct block_sum *sum, size_t at)
     }
 }
 
-static void clean_block(void *ctx, int i, int thread)
+static void clean_block(void *ctx, int i, GP_UNUSED int thread)
 {
     struct sense *const s = ctx;
     struct block_sum *const sum = &s->block[i];
@@ -155,8 +155,8 @@ static void clean_block(void *ctx, int i, int thread)
              k += s->step) {
             const float lum = gp_lit_luminance(s->weight, s->rgb[0][k],
                                                s->rgb[1][k], s->rgb[2][k]);
-            s->dark[thread]
-                   [lum > 0.0f ? gp_bits_of(lum) >> DARK_SHIFT : BLACK]++;
+            s->dark[k / s->step] =
+                (uint16_t) (lum > 0.0f ? gp_bits_of(lum) >> DARK_SHIFT : BLACK);
         }
         s->bright[y] = (uint32_t) n.bright;
         if (!s->again) {
@@ -170,7 +170,6 @@ static void clean_block(void *ctx, int i, int thread)
 static void clean_again(struct sense *s, int blocks)
 {
     s->again = true;
-    memset(s->dark, 0, (size_t) gp_threads() * sizeof *s->dark);
     gp_parallel_do(blocks, clean_block, s);
 }
 
@@ -309,21 +308,14 @@ static void list_block(void *ctx, int block, GP_UNUSED int thread)
 }
 
 /* Finds the 0.01 % percentile of luminance of the grid's pixels. */
-static void find_darkest(const struct sense *s, int threads,
-                         struct gp_sources *out)
+static double find_darkest(const struct sense *s, size_t n)
 {
-    uint32_t all = 0, below;
-    for (int t = 1; t < threads; t++) {
-        for (int b = 0; b < DARK_BINS; b++)
-            s->dark[0][b] += s->dark[t][b];
-    }
-    for (int b = 0; b <= BLACK; b++)
-        all += s->dark[0][b];
-    below = s->dark[0][BLACK];
-    uint32_t b = 0;
-    for (; below * 10000ull < all && b < BLACK; b++)
-        below += s->dark[0][b];
-    out->darkest = b ? (double) gp_float_with_bits((b - 1) << DARK_SHIFT) : 0.0;
+    uint32_t count[DARK_BINS] = {0}, b = 0;
+    for (size_t i = 0; i < n; i++)
+        count[s->dark[i]]++;
+    for (size_t below = count[BLACK]; below * 10000 < n && b < BLACK; b++)
+        below += count[b];
+    return b ? (double) gp_float_with_bits((b - 1) << DARK_SHIFT) : 0.0;
 }
 
 static double total(const double v[WIDE])
@@ -431,12 +423,12 @@ gp_status gp_sense(const struct gp_log *log,
         .step = (size_t) like.w * (size_t) like.h / GRID + 1,
         .most = p->max_value > 0.0f ? p->max_value : FLT_MAX,
     };
-    const int blocks = (s.h + BLOCK - 1) / BLOCK, threads = gp_threads();
+    const int blocks = (s.h + BLOCK - 1) / BLOCK;
+    const size_t grid = ((size_t) s.w * (size_t) s.h - 1) / s.step + 1;
     memcpy(s.weight, f->luminance, sizeof s.weight);
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) blocks + 1,
                          sizeof *s.block, &s.block));
-    GP_TRY(gp_alloc_zero(log, "sensors", (size_t) threads, sizeof *s.dark,
-                         &s.dark));
+    GP_TRY(gp_alloc(log, "sensors", grid, sizeof *s.dark, &s.dark));
     GP_TRY(gp_alloc(log, "sensors", (size_t) s.h, sizeof *s.bright, &s.bright));
     GP_TRY(clean_frame(log, &s, blocks, f, sphere, &found));
     size_t n = 0;
@@ -461,7 +453,7 @@ gp_status gp_sense(const struct gp_log *log,
         faint |= b->faint;
     }
     o.threshold = found.threshold;
-    find_darkest(&s, threads, &o);
+    o.darkest = find_darkest(&s, grid);
     warn_of_clamping(log, f->path, &s, blocks, &o);
     gp_sources_finish(&o);
     if (!faint) {

@@ -107,39 +107,38 @@ static int parts_of(const struct sums *one, double wide)
                             MOST);
 }
 
-static struct sums look_at_pixel(const struct pass *s, int x, int y)
+/* Returns the sums of a box of pixels, or a disc, around a place, by parts where it is near
+ * to the place that the eye looks at: of a disc by the golden angle. */
+static struct sums look_at_all(const struct pass *s, const double at[2],
+                               const double half[2], double light, bool disc)
 {
-    const double light = luminance_at(s, x, y);
-    const struct sums whole = look_at(s, x + 0.5, y + 0.5, light, 1.0);
-    const int n = parts_of(&whole, s->wide);
+    const double pixels = (disc ? M_PI : 4.0) * half[0] * half[1];
+    const struct sums whole = look_at(s, at[0], at[1], light, pixels);
+    const int n = parts_of(&whole, 2.0 * fmax(half[0], half[1]) * s->wide);
     struct sums sum = {0};
     for (int k = 0; k < n * n && n > 1; k++) {
+        const double r = sqrt((k + 0.5) / (n * n)), turn = k * 2.399963;
+        const double u = disc ? r * gp_cos(turn) : (2 * (k % n) + 1.0) / n - 1;
+        const double v = disc ? r * gp_sin(turn) : (2 * (k / n) + 1.0) / n - 1;
         const struct sums part =
-            look_at(s, x + (k % n + 0.5) / n, y + (k / n + 0.5) / n, light,
-                    1.0 / (n * n));
+            look_at(s, at[0] + u * half[0], at[1] + v * half[1], light,
+                    pixels / (n * n));
         add(&sum, &part);
     }
     return n > 1 ? sum : whole;
 }
 
-/* Spreads a lamp over its disc, by the golden angle. */
+static struct sums look_at_pixel(const struct pass *s, int x, int y)
+{
+    return look_at_all(s, (const double[]) {x + 0.5, y + 0.5},
+                       (const double[]) {0.5, 0.5}, luminance_at(s, x, y),
+                       false);
+}
+
 static struct sums look_at_lamp(const struct pass *s, int i)
 {
     const struct gp_veil_lamp *const l = &s->p->lamp[i];
-    const double light = s->p->white * l->luminance;
-    const double pixels = M_PI * l->half[0] * l->half[1];
-    const struct sums whole = look_at(s, l->at[0], l->at[1], light, pixels);
-    const int n =
-        parts_of(&whole, 2.0 * fmax(l->half[0], l->half[1]) * s->wide);
-    struct sums sum = {0};
-    for (int k = 0; k < n * n && n > 1; k++) {
-        const double r = sqrt((k + 0.5) / (n * n)), turn = k * 2.399963;
-        const struct sums part = look_at(
-            s, l->at[0] + r * l->half[0] * gp_cos(turn),
-            l->at[1] + r * l->half[1] * gp_sin(turn), light, pixels / (n * n));
-        add(&sum, &part);
-    }
-    return n > 1 ? sum : whole;
+    return look_at_all(s, l->at, l->half, s->p->white * l->luminance, true);
 }
 
 static void sum_row(void *ctx, int i, GP_UNUSED int thread)

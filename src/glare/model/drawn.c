@@ -233,12 +233,10 @@ static gp_status open_halation(const struct gp_log *log,
         .pass = {1.0, gp_recipe_value(r, "green"), gp_recipe_value(r, "blue")},
         .factor = 1.0,
     };
-    double sum[3], all = 0.0;
+    double sum[3];
     // farther, where a fourth power ends, are 1e-6 of the light
     gp_profile_integral(halation_profile, &h, 3, 0.0, 1e3 * h.across, sum);
-    for (int c = 0; c < 3; c++)
-        all += (double) f->luminance[c] * sum[c];
-    h.factor = 1.0 / all;
+    h.factor = 1.0 / gp_luminance_of(f->luminance, sum);
     const double bends = 4.0 * h.across;
     gp_status st = gp_radial_shape(log, halation_profile, &h, 3, bends, f, out);
     if (!st)

@@ -552,10 +552,9 @@ static gp_status make_cosines(const struct gp_log *log,
     for (int c = 0; c < 3; c++)
         own[c] = fmax(all - k->nodes.sum[c], 0.0);
     find_near(&pixels, &k->nodes, grid->nodes, own, near);
-    for (int c = 0; c < 3; c++) { // and what no node has is outside
+    for (int c = 0; c < 3; c++) // and what no node has is outside
         k->light[c] = share - own[c];
-        k->all += (double) k->weight[c] * k->light[c];
-    }
+    k->all = gp_luminance_of(k->weight, k->light);
     *out = k;
     k = NULL;
 out:

@@ -313,7 +313,7 @@ static gp_status find_tint(const struct gp_log *log, const struct gp_recipe *r,
     const double own[3] = {gp_recipe_value(r, "red"),
                            gp_recipe_value(r, "green"),
                            gp_recipe_value(r, "blue")};
-    double m[9], y = 0.0;
+    double m[9];
     memcpy(tint, own, sizeof own);
     if (memcmp(f->chromaticities, gp_rec709_chromaticities,
                sizeof gp_rec709_chromaticities) != 0 &&
@@ -322,8 +322,7 @@ static gp_status find_tint(const struct gp_log *log, const struct gp_recipe *r,
             tint[c] = m[3 * c] * own[0] + m[3 * c + 1] * own[1] +
                       m[3 * c + 2] * own[2];
     gp_gamut_fold(f->luminance, tint);
-    for (int c = 0; c < 3; c++)
-        y += (double) f->luminance[c] * tint[c];
+    const double y = gp_luminance_of(f->luminance, tint);
     if (!(y > 0.0))
         return gp_fail(log, GP_ERR_USAGE, "%s: its colour has no luminance "
                        "(%g,%g,%g); give red, green or blue over 0",

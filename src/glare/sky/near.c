@@ -9,35 +9,31 @@
 
 enum { BLOCK = GP_SKY_BLOCK, ROWS = GP_SKY_ROWS };
 
-struct indexing {
-    const struct gp_sources *src;
-    const struct gp_sky_index *index;
-};
-
 static void index_row(void *ctx, int y, GP_UNUSED int thread)
 {
-    const struct indexing *const a = ctx;
-    const struct gp_sources *const s = a->src;
-    uint32_t *const at = gp_sky_index_row(a->index, y);
+    const struct gp_sky_index *const index = ctx;
+    const struct gp_sources *const s = index->src;
+    uint32_t *const at = gp_sky_index_row(index, y);
     uint32_t i = s->row[y];
-    for (int b = 0; b < a->index->blocks; b++) {
+    for (int b = 0; b < index->blocks; b++) {
         while (i < s->row[y + 1] && s->x[i] < b * BLOCK)
             i++;
         at[b] = i;
     }
-    at[a->index->blocks] = s->row[y + 1];
+    at[index->blocks] = s->row[y + 1];
 }
 
 gp_status gp_sky_index_make(const struct gp_log *log,
                             const struct gp_sources *src,
                             struct gp_sky_index *out)
 {
+    out->src = src;
     out->blocks = (src->w + BLOCK - 1) / BLOCK;
     const gp_status st =
         gp_alloc(log, "layer", (size_t) src->h * (size_t) (out->blocks + 1),
                  sizeof *out->at, &out->at);
     if (!st)
-        gp_parallel_do(src->h, index_row, &(struct indexing) {src, out});
+        gp_parallel_do(src->h, index_row, out);
     return st;
 }
 

@@ -57,8 +57,6 @@ int gp_sky_cubic(double t, int n, double w[4])
     return cell - 1;
 }
 
-/* Lays places over the frame, and over nodes beyond it of levels that have weights by
- * places. */
 void gp_sky_lay_places(struct gp_sky *s)
 {
     static const double APART = 0.125; // radians: cubics keep 1e-4 of weights
@@ -75,7 +73,6 @@ void gp_sky_lay_places(struct gp_sky *s)
     }
 }
 
-/* Places n columns, `step` pixels apart, from `first` on. */
 gp_status gp_sky_columns(const struct gp_log *log, const struct gp_sky *s,
                          int n, double first, double step,
                          struct gp_sky_column **out)

@@ -34,6 +34,7 @@ static inline size_t gp_sky_row_room(int n)
 /* For each row of a frame and each block of columns, its first source: at
  * [row][block], one more than blocks in a row. */
 struct gp_sky_index {
+    const struct gp_sources *src;
     int blocks;
     uint32_t *at; // owned
 };

@@ -46,11 +46,11 @@ static double roundings(const struct gp_splat_layout *p)
     if (!p->single) // a cell's light, row by row
         sums += SMOOTH_ROUNDINGS +
                 2.0 * gp_max(p->params.cluster, p->params.group);
-    if (p->middle)
+    if (!p->single)
         sums += MIDDLE_SIDE * MIDDLE_SIDE;
     // by tiles, direct sums a middle in groups of 32 and adds it to the layer
-    const double tiled = gp_tiles_roundings(&p->polygons) +
-                         (p->middle ? 36.0 : 0.0);
+    const double tiled =
+        gp_tiles_roundings(&p->polygons) + (!p->single ? 36.0 : 0.0);
     return fmax(2.0 * (1.0 + sums), tiled);
 }
 
@@ -68,10 +68,10 @@ static double count_pixels(const struct gp_glare_request *req,
 {
     const struct gp_sources *const s = req->src;
     const struct gp_kernel *const k = req->kernel;
-    double pixels =
-        p->middle ? gp_direct_work(s, MIDDLE_SIDE, MIDDLE_SIDE,
-                                   GP_MIDDLE_RADIUS, GP_MIDDLE_RADIUS, INFINITY)
-                  : 0.0;
+    double pixels = !p->single ? gp_direct_work(s, MIDDLE_SIDE, MIDDLE_SIDE,
+                                                GP_MIDDLE_RADIUS,
+                                                GP_MIDDLE_RADIUS, INFINITY)
+                               : 0.0;
     for (size_t i = 0; p->outer && i < p->polygons.n; i++) {
         const struct gp_polygon *const q = &p->polygons.at[i];
         const double reach = p->shrink.reach[gp_source_bin(q->light)];
@@ -98,11 +98,10 @@ static gp_status make_layout(const struct gp_glare_request *req,
     const struct gp_kernel *const k = req->kernel;
     struct gp_splat_layout o = {.params = req->params->splat};
     o.single = gp_splat_single(&o.params);
-    o.middle = !o.single;
     o.crop = crop_of(k, req->src->w, req->src->h,
                      gp_max(o.params.cluster, o.params.group));
     const long long cx = k->cx, cy = k->cy, r = GP_MIDDLE_RADIUS;
-    o.outer = !o.middle || o.crop.x0 < cx - r || o.crop.x1 - 1 > cx + r ||
+    o.outer = o.single || o.crop.x0 < cx - r || o.crop.x1 - 1 > cx + r ||
               o.crop.y0 < cy - r || o.crop.y1 - 1 > cy + r;
     GP_TRY(gp_polygons_make(req->log, req->src, &o.params, &o.polygons));
     const size_t root = (size_t) sqrt((double) o.polygons.n) + 1;
@@ -191,12 +190,12 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     GP_TRY(gp_splat_open(req->log, state, req->params->gl));
     struct gp_splat *const s = *state;
     GP_TRY(make_layout(req, &layout));
-    if (!k->serial || k->serial != s->serial || s->hollow != p->middle ||
+    if (!k->serial || k->serial != s->serial || s->hollow == p->single ||
         memcmp(&s->crop, &p->crop, sizeof s->crop) != 0)
         gp_splat_drop_kernels(s);
     s->serial = k->serial;
     s->crop = p->crop;
-    s->hollow = p->middle;
+    s->hollow = !p->single;
     const struct gp_gl_info *const gl = gp_gl_info(s->gl);
     enum gp_primitive form = p->params.primitive;
     if (form == GP_PRIMITIVE_AUTO)
@@ -209,7 +208,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         GP_TRY(gp_tiles_draw(req, s, p));
     else
         gp_planes_clear(req->layer, 0, pixels);
-    if (form == GP_PRIMITIVE_TILE && p->middle) {
+    if (form == GP_PRIMITIVE_TILE && !p->single) {
         // the middle of each single source goes by direct: a software context
         // has no faster place, and blending squares of 17 pixels is what it
         // does worst
@@ -223,7 +222,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         stats->clusters = (long long) p->polygons.clusters;
         stats->polygons = (long long) p->polygons.n;
     }
-    stats->cores = p->middle ? (long long) req->src->n : 0;
+    stats->cores = !p->single ? (long long) req->src->n : 0;
     stats->polygon_pixels = p->polygon_pixels;
     stats->form = forms[form];
     stats->bound = p->bound;

@@ -17,8 +17,8 @@
  * drawing. */
 struct gp_splat_layout {
     struct gp_splat_params params;
-    bool single;                   // each source is a polygon on whole pixels
-    bool middle;                   // sources draw the kernel's middle
+    bool single;                   // each source is a polygon on whole pixels;
+                                   // else they draw the kernel's middle
     bool outer;                    // the kernel is more than its middle
     struct gp_rect crop;           // of the kernel, that can reach the frame
     struct gp_polygons polygons;
