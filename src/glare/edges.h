@@ -118,7 +118,6 @@ GP_MUST_CHECK gp_status gp_mirror_sources(const struct gp_log *log,
 
 /* A picture and its margin. */
 struct gp_mirrored {
-    struct gp_margin margin;
     struct gp_surround edges; // of the larger picture: a mirror image EXTENDs
     struct gp_sources src, picture, own;
     struct gp_planes rgb;

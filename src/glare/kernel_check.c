@@ -109,37 +109,14 @@ static double find_drop(rows r, int i, const int way[2], double least)
     return fmax((double) (low - high) - slope, 0.0);
 }
 
-/* Marks samples i, i + 1, ... of which find_cut() or find_drop() in this
- * direction may be over `least`, by vector code: most are not. */
-GP_CLONES static void mark_steps(rows r, int i, int n, const int way[2],
-                                 float least, int *restrict may)
-{
-    const bool diagonal = way[0] && way[1];
-    const int span = diagonal ? SPAN_DIAGONAL : SPAN;
-    const float dark = diagonal ? 0.0f : 1e-3f; // find_cut() is for the others
-    const float *const at = r[REACH] + i, *const next = at_of(r, i, way, 1);
-    const float *const before = at_of(r, i, way, -span);
-    const float *const end = at_of(r, i, way, span);
-    const float *const after = at_of(r, i, way, 2 * span);
-    for (int x = 0; x < n; x++) {
-        const float one = fabsf(before[x] - at[x]);
-        const float other = fabsf(end[x] - after[x]);
-        const float change = one > other ? one : other;
-        may[x] |= (next[x] < dark * at[x]) |
-                  (at[x] - end[x] - 2.0f * change > least);
-    }
-}
-
 /* The largest edge in rows from .. to - 1, in any of eight directions. */
 static double find_rim(const struct measuring *m, int from, int to)
 {
     static const int ways[8][2] = {
         {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1},
     };
-    static const double ROUNDED = 1.0 - 0x1p-20; // of a float sum, and more
     enum { ROWS = 2 * REACH + 1, WIDTH = STRIP + 2 * REACH };
     float v[ROWS][WIDTH];
-    int may[STRIP];
     double rim = 0.0;
     for (int x = 0; x < m->k->w; x += STRIP) {
         const int n = gp_min(m->k->w - x, STRIP);
@@ -153,12 +130,7 @@ static double find_rim(const struct measuring *m, int from, int to)
                 continue;
             for (int i = 0; i < ROWS; i++)
                 r[i] = v[(y - from + REACH + 1 + i) % ROWS];
-            memset(may, 0, sizeof may);
-            for (int j = 0; j < 8; j++)
-                mark_steps(r, REACH, n, ways[j], (float) (rim * ROUNDED), may);
             for (int i = REACH; i < n + REACH; i++) {
-                if (!may[i - REACH])
-                    continue;
                 for (int j = 0; j < 8 && (double) r[REACH][i] > rim; j++) {
                     if (j < 4)
                         rim = fmax(rim, find_cut(r, i, ways[j]));

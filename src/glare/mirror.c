@@ -126,7 +126,6 @@ gp_status gp_mirror(const struct gp_log *log, const struct gp_surround *edges,
 {
     gp_status st;
     *m = (struct gp_mirrored) {
-        .margin = *margin,
         .edges = {.how = margin->turn ? GLAREPP_BLACK : GLAREPP_EXTEND},
     };
     GP_TRY(gp_mirror_sources(log, src, margin, &m->src));
