@@ -20,7 +20,8 @@ static gp_status mask_list(struct glarepp_frame *f, struct gp_sources *s)
     struct gp_sources own = *s;
     *s = (struct gp_sources) {0};
     const gp_status st =
-        own.row ? gp_sources_mask(&f->log, &own, &f->source_mask, s) : GP_OK;
+        own.row ? gp_sources_scale(&f->log, &own, 1.0, &f->source_mask, s)
+                : GP_OK;
     gp_sources_free(&own);
     return st;
 }
@@ -33,7 +34,8 @@ static gp_status mask_sources(struct glarepp_frame *f)
     gp_status st;
     f->whole = f->sources;
     f->sources = (struct gp_sources) {0};
-    GP_TRY(gp_sources_mask(&f->log, &f->whole, &f->source_mask, &f->sources));
+    GP_TRY(gp_sources_scale(&f->log, &f->whole, 1.0, &f->source_mask,
+                            &f->sources));
     GP_TRY(mask_list(f, &f->taken));
     for (int i = 0; i < f->plan->kernels; i++)
         GP_TRY(mask_list(f, &f->run[i].sources));

@@ -144,7 +144,8 @@ static gp_status fit_range(const struct gp_log *log, struct drawing *d)
         d->req.kernel = &d->small;
     }
     if (of_light && !st) {
-        st = gp_sources_scale(log, d->src, ldexp(1.0, -of_light), &d->less);
+        st = gp_sources_scale(log, d->src, ldexp(1.0, -of_light), NULL,
+                              &d->less);
         d->req.src = &d->less;
     }
     return st;

@@ -462,7 +462,7 @@ gp_status gp_sense(const struct gp_log *log,
         goto out;
     }
     // the list anew without light under FLT_MIN, which is rare
-    st = gp_sources_scale(log, &o, 1.0, out);
+    st = gp_sources_scale(log, &o, 1.0, NULL, out);
 out:
     gp_free(s.block);
     gp_free(s.dark);

@@ -97,39 +97,31 @@ void gp_sources_free(struct gp_sources *s)
     *s = (struct gp_sources) {0};
 }
 
+/* The mask's value in a pixel that counts from the data window's corner. */
+static double share_of(const struct gp_plane *mask, const struct gp_sources *s,
+                       int x, int y)
+{
+    const long long left = (long long) s->x0 + x - mask->window.x0;
+    const long long top = (long long) s->y0 + y - mask->window.y0;
+    const long long w = gp_rect_w(mask->window), h = gp_rect_h(mask->window);
+    const bool inside = left >= 0 && left < w && top >= 0 && top < h;
+    const float v = inside ? mask->v[top * w + left] : 0.0f;
+    return v > 0.0f ? (double) gp_minf(v, 1.0f) : 0.0;
+}
+
 gp_status gp_sources_scale(const struct gp_log *log,
                            const struct gp_sources *src, double share,
-                           struct gp_sources *out)
+                           const struct gp_plane *mask, struct gp_sources *out)
 {
     gp_status st = gp_sources_make(log, src, src->n, out);
     if (st)
         return st;
     out->darkest *= share;
     for (int y = 0; y < src->h; y++) {
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
-            gp_sources_copy(src, i, share, src->x[i], y, out);
-    }
-    gp_sources_finish(out);
-    return GP_OK;
-}
-
-gp_status gp_sources_mask(const struct gp_log *log,
-                          const struct gp_sources *src,
-                          const struct gp_plane *mask, struct gp_sources *out)
-{
-    const struct gp_rect window = mask->window;
-    const long long w = gp_rect_w(window), h = gp_rect_h(window);
-    gp_status st = gp_sources_make(log, src, src->n, out);
-    if (st)
-        return st;
-    for (int y = 0; y < src->h; y++) {
-        const long long row = (long long) src->y0 + y - window.y0;
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-            const long long x = (long long) src->x0 + src->x[i] - window.x0;
-            const bool inside = row >= 0 && row < h && x >= 0 && x < w;
-            const float v = inside ? mask->v[row * w + x] : 0.0f;
-            const float share = v > 0.0f ? gp_minf(v, 1.0f) : 0.0f;
-            gp_sources_copy(src, i, (double) share, src->x[i], y, out);
+            const int x = src->x[i];
+            const double own = mask ? share_of(mask, src, x, y) : 1.0;
+            gp_sources_copy(src, i, share * own, x, y, out);
         }
     }
     gp_sources_finish(out);

@@ -86,12 +86,6 @@ void gp_sources_copy(const struct gp_sources *src, uint32_t i, double share,
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
 
-/* The same sources and darkest, times `share`. Written only on GP_OK; free with
- * gp_sources_free(). */
-GP_MUST_CHECK gp_status gp_sources_scale(const struct gp_log *log,
-                                         const struct gp_sources *src,
-                                         double share, struct gp_sources *out);
-
 /* Joins `src` and `n` more sources; light of the same pixel is added.
  *
  *   more  is sorted into row order; sums do not depend on the order given
@@ -101,15 +95,16 @@ GP_MUST_CHECK gp_status gp_sources_join(const struct gp_log *log,
     const struct gp_sources *src, struct gp_source *more, size_t n,
     struct gp_sources *out);
 
-/* Multiplies each source by the mask's value in its pixel, clamped to [0, 1]; NaN
- * and pixels outside of the mask's window are 0. A source without light is left
- * out.
- *   mask  window in EXR pixel space
+/* The same sources and darkest, times `share`, and where there is a mask each times that's
+ * value in its pixel, clamped to [0, 1]; NaN and pixels outside of the mask's window are 0.
+ * A source without light is left out.
+ *   mask  window in EXR pixel space; NULL: none
  *   out   as gp_sources_make() of src, written only on GP_OK */
-GP_MUST_CHECK gp_status gp_sources_mask(const struct gp_log *log,
-                                        const struct gp_sources *src,
-                                        const struct gp_plane *mask,
-                                        struct gp_sources *out);
+GP_MUST_CHECK gp_status gp_sources_scale(const struct gp_log *log,
+                                         const struct gp_sources *src,
+                                         double share,
+                                         const struct gp_plane *mask,
+                                         struct gp_sources *out);
 
 /* Makes a list of all sources, n of them, 1 at least; owned by the caller. Errors:
  * GP_ERR_BUG out of memory. */

@@ -330,7 +330,7 @@ static inline void scene_limit(struct gp_sources *src)
     struct gp_sources less;
     if (!(src->brightest > 0x1p60f))
         return;
-    if (gp_sources_scale(NULL, src, 0x1p-68, &less))
+    if (gp_sources_scale(NULL, src, 0x1p-68, NULL, &less))
         abort();
     gp_sources_free(src);
     *src = less;

@@ -502,10 +502,8 @@ static gp_status take_within(const struct gp_log *log,
         int span[2];
         gp_projection_span(p, 0.0, y, src->w, span);
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-            const float rgb[3] = {src->rgb[0][i], src->rgb[1][i],
-                                  src->rgb[2][i]};
             if (src->x[i] >= span[0] && src->x[i] < span[1])
-                gp_sources_add(out, src->x[i], y, rgb);
+                gp_sources_copy(src, i, 1.0, src->x[i], y, out);
         }
     }
     if (!st)

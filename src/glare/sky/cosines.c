@@ -461,13 +461,6 @@ static void add_far_row(void *ctx, int i, int thread)
         to[x] += line[x];
 }
 
-static void clear_plane(void *ctx, int c, GP_UNUSED int thread)
-{
-    const struct adding *const a = ctx;
-    memset(a->spread.c[c], 0,
-           (size_t) a->all[0].n * (size_t) a->all[1].n * sizeof(float));
-}
-
 /* Spreads light on the nodes: by a transform, and the far field's; `only_far`: that
  * alone. */
 static gp_status spread(const struct gp_log *log, struct adding *a,
@@ -478,11 +471,11 @@ static gp_status spread(const struct gp_log *log, struct adding *a,
     struct gp_glare_params params = GP_GLARE_DEFAULTS;
     struct far far = {.to = &a->spread, .w = a->all[0].n, .h = a->all[1].n};
     struct gp_sources src = {0};
+    const size_t n = (size_t) far.w * (size_t) far.h;
     gp_status st;
     params.last = last;
     GP_TRY(make_sources(log, a, &src));
-    GP_TRY(gp_planes_make(
-        log, "layer", (size_t) a->all[0].n * (size_t) a->all[1].n, &a->spread));
+    GP_TRY(gp_planes_make(log, "layer", n, &a->spread));
     if (k->far) {
         GP_TRY(gp_far_open(log, k->far, &kept->far));
         GP_TRY(gp_far_find(log, k->far, kept->far, &src, far.w, far.h,
@@ -491,7 +484,7 @@ static gp_status spread(const struct gp_log *log, struct adding *a,
                         sizeof *far.line, &far.line));
     }
     if (only_far)
-        gp_parallel_do(3, clear_plane, a);
+        gp_planes_clear(&a->spread, 0, n);
     else
         GP_TRY(
             gp_engine_fft.run(&(struct gp_glare_request) {.log = log,

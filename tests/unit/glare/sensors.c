@@ -269,7 +269,7 @@ static void masks_share_light(void **state)
             gp_sources_add(&src, x, y, (float[3]) {4.0f, 1.0f, 0.0f});
     }
     gp_sources_finish(&src);
-    assert_ok(gp_sources_mask(NULL, &src, &mask, &out));
+    assert_ok(gp_sources_scale(NULL, &src, 1.0, &mask, &out));
     assert_list(&out, "masked");
     assert_int_equal(out.n, 2);
     for (uint32_t i = 0; i < 2; i++)
