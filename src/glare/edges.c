@@ -28,23 +28,11 @@ struct cell {
     float own[3];  // ... of the part that is wanted
 };
 
-struct gp_beyond {
-    int w, h, side;  // of the picture; of a cell, pixels
-    int rows;        // of corners of cells, `side` pixels apart
-    struct gp_planes b; // rows * w: b in these rows
-    double most;
-};
-
 void gp_beyond_free(struct gp_beyond **b)
 {
     if (*b)
         gp_planes_free(&(*b)->b);
     GP_FREE(*b);
-}
-
-double gp_beyond_most(const struct gp_beyond *b)
-{
-    return b ? b->most : 0.0;
 }
 
 /* The cube root of a normal float or 0, within 3e-7: a third of the exponent, then

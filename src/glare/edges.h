@@ -62,16 +62,18 @@ struct gp_kernel;
 struct gp_far_state;
 
 /* The broad light of a border: b. */
-struct gp_beyond;
+struct gp_beyond {
+    int w, h, side;     // of the picture; of a cell, pixels
+    int rows;           // of corners of cells, `side` pixels apart
+    struct gp_planes b; // rows * w: b in these rows
+    double most;        // its largest value
+};
 
 /* Finds it. *out stays NULL where the border has no light. Free with
  * gp_beyond_free(). */
 GP_MUST_CHECK gp_status gp_beyond_find(const struct gp_log *log,
     const struct gp_surround *edges, struct gp_beyond **out);
 void gp_beyond_free(struct gp_beyond **b);
-
-/* The largest value of b; 0 where b is NULL. */
-double gp_beyond_most(const struct gp_beyond *b);
 
 /* Facts of a kernel that w needs, for pictures of one size: kept from frame to
  * frame. */

@@ -333,7 +333,7 @@ static gp_status run_picture(const struct gp_log *log,
     };
     GP_TRY(fit_range(log, &d));
     GP_TRY(gp_beyond_find(log, &p->edges, &d.beyond));
-    d.req.beyond = gp_beyond_most(d.beyond);
+    d.req.beyond = d.beyond ? d.beyond->most : 0.0;
     GP_TRY(choose(log, named, &d, &taken));
     GP_TRY(draw(log, &taken, &d));
 out:

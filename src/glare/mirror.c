@@ -108,18 +108,6 @@ static gp_status mirror_planes(const struct gp_log *log,
     return st;
 }
 
-/* Sets *at to the mirrored sources of `one`: those that are there, or `own`,
- * which is made. */
-static gp_status
-mirror_other(const struct gp_log *log, const struct gp_sources *one,
-             const struct gp_sources *src, const struct gp_margin *m,
-             const struct gp_sources *there, struct gp_sources *own,
-             const struct gp_sources **at)
-{
-    *at = one == src ? there : one ? own : NULL;
-    return *at == own && one ? gp_mirror_sources(log, one, m, own) : GP_OK;
-}
-
 gp_status gp_mirror(const struct gp_log *log, const struct gp_surround *edges,
                     const struct gp_sources *src, const struct gp_planes *rgb,
                     const struct gp_margin *margin, struct gp_mirrored *m)
@@ -129,11 +117,15 @@ gp_status gp_mirror(const struct gp_log *log, const struct gp_surround *edges,
         .edges = {.how = margin->turn ? GLAREPP_BLACK : GLAREPP_EXTEND},
     };
     GP_TRY(gp_mirror_sources(log, src, margin, &m->src));
-    GP_TRY(mirror_other(log, edges->picture, src, margin, &m->src, &m->picture,
-                        &m->edges.picture));
-    if (edges->own != edges->picture)
-        GP_TRY(mirror_other(log, edges->own, src, margin, &m->src, &m->own,
-                            &m->edges.own));
+    m->edges.picture = !edges->picture         ? NULL
+                       : edges->picture == src ? &m->src
+                                               : &m->picture;
+    if (m->edges.picture == &m->picture)
+        GP_TRY(gp_mirror_sources(log, edges->picture, margin, &m->picture));
+    if (edges->own && edges->own != edges->picture)
+        m->edges.own = edges->own == src ? &m->src : &m->own;
+    if (m->edges.own == &m->own)
+        GP_TRY(gp_mirror_sources(log, edges->own, margin, &m->own));
     if (rgb)
         GP_TRY(mirror_planes(log, rgb, src->w, src->h, margin, &m->rgb));
 out:

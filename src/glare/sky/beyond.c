@@ -98,7 +98,8 @@ static void add_group(const struct beyond *b, const struct group *g,
             const double c = gp_projection_chord2(p, at[0], at[1], g->x, g->y);
             double v = gp_sky_soft(&s->light, 0.0, c);
             if (single && fmax(fabs(at[0] - g->x), fabs(at[1] - g->y)) < FAR)
-                v = gp_sky_share(s, at, from) /
+                v = gp_sky_pixel(s, at, from,
+                                 gp_sky_ellipse_at(p, at[0], at[1]).most) /
                     gp_projection_solid(p, g->x, g->y);
             for (int k = s->from; k < s->to; k++)
                 b->layer->c[k][(size_t) y * w + (size_t) x] +=

@@ -15,13 +15,6 @@ struct exact {
     double *layer;
 };
 
-double gp_sky_share(const struct gp_sky *s, const double at[2],
-                    const double from[2])
-{
-    return gp_sky_pixel(s, at, from,
-                        gp_sky_ellipse_at(&s->p.projection, at[0], at[1]).most);
-}
-
 /* The sums of a pixel of a sphere. */
 static void sum_sphere(const struct gp_sky *s, const struct gp_sources *src,
                        int x, int y, double sum[3])

@@ -137,12 +137,6 @@ struct gp_sky_ellipse {
 struct gp_sky_ellipse gp_sky_ellipse_at(const struct gp_projection *p, double x,
                                         double y);
 
-// -- exact.c ------------------------------------------------------------------
-
-/* The share of the light of another pixel, `from`, that pixel `at` gets. */
-double gp_sky_share(const struct gp_sky *s, const double at[2],
-                    const double from[2]);
-
 // -- outside.c ----------------------------------------------------------------
 
 /* Fills `within`, the share of light within a chord, by its square, and its sums. */

@@ -338,7 +338,9 @@ static void needles_leave_a_fifth_all_over(void **state)
             const double x = q % k.w - k.cx, y = q / k.w - k.cy;
             const double from[2] = {0.0, 0.0}, at[2] = {x, y};
             const double reach = hypot(x, y) * f.degrees;
-            const double corona = gp_sky_share(k.sky, at, from);
+            const double corona = gp_sky_pixel(
+                k.sky, at, from,
+                gp_sky_ellipse_at(&k.sky->p.projection, at[0], at[1]).most);
             const double v = (double) k.k.c[0][q];
             if (reach > 4.0 * f.degrees && reach < 2.4)
                 least = fmin(least, v / corona);
