@@ -114,8 +114,8 @@ static gp_status sum_plain(const struct gp_log *log,
     double *a = NULL, *b = NULL, *z = NULL; // complex
     struct gp_transform pair[2] = {{0}, {0}};
     GP_TRY(gp_fft_pair_make(log, (int) nx, (int) ny, true, pair));
-    GP_TRY(gp_alloc(log, "reference", n, 16, &a));
-    GP_TRY(gp_alloc(log, "reference", n, 16, &b));
+    GP_TRY(gp_alloc(log, "reference", 2 * n, 16, &a));
+    b = a + 2 * n;
     GP_TRY(gp_alloc(log, "reference", 2,
                     gp_transform_room(gp_max((int) nx, (int) ny)), &z));
     for (int c = 0; c < 3; c++) {
@@ -152,7 +152,6 @@ static gp_status sum_plain(const struct gp_log *log,
 out:
     gp_fft_pair_free(pair);
     gp_free(a);
-    gp_free(b);
     gp_free(z);
     return st;
 }

@@ -259,9 +259,9 @@ struct needling {
     double a, b, turn; // degrees of a pixel; turns
     int rx, ry;
     float *out;
-    double *sum;       // that rows add
     // by steps of a turn, both periodic: the integral of m - 1, and of that
     double first[CIRCLE + 1], second[CIRCLE + 1];
+    double sum[]; // that rows add
 };
 
 /* The share of the needles' contrast that is left t degrees from the light. */
@@ -371,7 +371,7 @@ static void add_pixel(const struct needling *m, int x, int y, double v[4])
 /* The needles of the pixels y rows above and below the light. */
 static void needle_row(void *ctx, int y, GP_UNUSED int thread)
 {
-    const struct needling *const m = ctx;
+    struct needling *const m = ctx;
     const size_t w = 2 * (size_t) m->rx + 1;
     float *const up = m->out + (size_t) (m->ry - y) * w + m->rx;
     float *const down = m->out + (size_t) (m->ry + y) * w + m->rx;
@@ -454,7 +454,8 @@ static gp_status make_needles(const struct gp_log *log,
     double rest = 0.0;
     const size_t w = 2 * (size_t) rx + 1, h = 2 * (size_t) ry + 1;
     GP_TRY(gp_samples_make(log, 1, rx, ry, out));
-    GP_TRY(gp_alloc(log, "kernel", 1, sizeof *m, &m));
+    GP_TRY(gp_alloc(log, "kernel", 1,
+                    sizeof *m + ((size_t) ry + 1) * sizeof *m->sum, &m));
     *m = (struct needling) {
         .f1 = s->factor * s->weight[1] * CORONA,
         .f2 = s->factor * s->weight[2] * CORONA_FAR,
@@ -467,7 +468,6 @@ static gp_status make_needles(const struct gp_log *log,
         .out = ((struct gp_samples *) out->state)->k.c[0],
     };
     memset(m->out, 0, w * h * sizeof *m->out);
-    GP_TRY(gp_alloc(log, "kernel", (size_t) ry + 1, sizeof *m->sum, &m->sum));
     make_circle(r, m);
     gp_parallel_do(ry + 1, needle_row, m);
     GP_TRY(add_near(log, m, &rest));
@@ -475,8 +475,6 @@ static gp_status make_needles(const struct gp_log *log,
         rest += m->sum[y];
     m->out[(size_t) ry * w + (size_t) rx] = (float) -rest;
 out:
-    if (m)
-        gp_free(m->sum);
     gp_free(m);
     if (st && out->free) {
         out->free(out->state);

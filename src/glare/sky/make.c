@@ -278,7 +278,7 @@ static void free_levels(struct gp_sky *s)
         gp_free(s->level[l].line);
         s->level[l] = (struct gp_sky_level) {0};
     }
-    gp_sky_single_free(&s->single);
+    GP_FREE(s->single);
     GP_FREE(s->pairs);
     GP_FREE(s->own);
     GP_FREE(s->column);
@@ -457,7 +457,6 @@ void gp_sky_free(struct gp_sky **sky)
         gp_free(s->light.curve.value);
         gp_free(s->within.value);
         gp_free(s->outer_at[0]);
-        gp_free(s->outer_at[1]);
         gp_free(s->outside);
         gp_cosines_free(&s->p.cosines);
         gp_free(s);

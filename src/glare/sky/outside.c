@@ -250,18 +250,15 @@ static void find_kept(struct gp_sky *s)
 
 gp_status gp_sky_outside_table(const struct gp_log *log, struct gp_sky *s)
 {
-    gp_status st = GP_OK;
-    const int size[2] = {s->p.w, s->p.h};
-    for (int k = 0; k < 2 && !st; k++) {
-        st = gp_alloc(log, "kernel", (size_t) size[k], sizeof(int),
-                      &s->outer_at[k]);
-        if (!st)
-            s->outer[k] = lay_axis(size[k], s->outer_at[k]);
-    }
-    if (!st)
-        st =
-            gp_alloc(log, "kernel", (size_t) s->outer[0] * (size_t) s->outer[1],
-                     sizeof *s->outside, &s->outside);
+    gp_status st = gp_alloc(log, "kernel", (size_t) s->p.w + (size_t) s->p.h,
+                            sizeof *s->outer_at[0], &s->outer_at[0]);
+    if (st)
+        return st;
+    s->outer_at[1] = s->outer_at[0] + s->p.w;
+    s->outer[0] = lay_axis(s->p.w, s->outer_at[0]);
+    s->outer[1] = lay_axis(s->p.h, s->outer_at[1]);
+    st = gp_alloc(log, "kernel", (size_t) s->outer[0] * (size_t) s->outer[1],
+                  sizeof *s->outside, &s->outside);
     if (st)
         return st;
     const int w = s->outer[0], h = s->outer[1];

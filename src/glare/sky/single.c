@@ -44,10 +44,11 @@ struct sample {
 
 struct gp_sky_single {
     int levels, samples;
-    double *overlap[GP_SKY_LEVELS]; // A at 0 .. 4 h; one block, owned
+    double *overlap[GP_SKY_LEVELS]; // A at 0 .. 4 h, in `room`
     double gram[GP_SKY_LEVELS][GP_SKY_LEVELS], sum[GP_SKY_LEVELS];
     double differs[GP_SKY_LEVELS]; // norm over all pixels, of weight 1
     struct sample sample[MOST];
+    double room[];
 };
 
 /* B at x steps from its middle. */
@@ -119,15 +120,14 @@ static void add_ring(struct gp_sky_single *s, int step)
 gp_status gp_sky_single_make(const struct gp_log *log, struct gp_sky *sky)
 {
     struct gp_sky_single *s;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
+    const size_t room = (size_t) 5 << sky->levels;
+    gp_status st =
+        gp_alloc_zero(log, "kernel", 1, sizeof *s + room * sizeof *s->room, &s);
     if (st)
         return st;
     sky->single = s;
     s->levels = sky->levels;
-    st = gp_alloc(log, "kernel", (size_t) 5 << s->levels, sizeof(double),
-                  &s->overlap[0]);
-    if (st)
-        return st;
+    s->overlap[0] = s->room;
     for (int l = 1; l < s->levels - 1; l++) {
         s->overlap[l] = s->overlap[l - 1] + (l > 1 ? (4 << (l - 1)) + 1 : 0);
         for (int d = 0; d <= 4 << l; d++)
@@ -148,13 +148,6 @@ gp_status gp_sky_single_make(const struct gp_log *log, struct gp_sky *sky)
         }
     }
     return GP_OK;
-}
-
-void gp_sky_single_free(struct gp_sky_single **single)
-{
-    if (*single)
-        gp_free((*single)->overlap[0]);
-    GP_FREE(*single);
 }
 
 /* The light per steradian at an offset from a place, less what the last level has. */

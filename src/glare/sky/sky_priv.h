@@ -87,7 +87,7 @@ struct gp_sky {
     // light that leaves the frame
     struct gp_curve within;     // share of light within a chord
     double spread;              // all of it
-    int outer[2], *outer_at[2]; // places along each axis, pixels; owned
+    int outer[2], *outer_at[2]; // places along each axis, pixels; owned: [0]
     float *outside;             // of each; owned
     struct gp_sky_facts facts;
 };
@@ -177,7 +177,6 @@ double gp_sky_weigh_pixels(const struct gp_sky *s, const double at[2],
 /* Makes s->single, by the scales of s->ratio. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sky_single_make(const struct gp_log *log,
                                            struct gp_sky *s);
-void gp_sky_single_free(struct gp_sky_single **single);
 
 /* Fits the weight of each level at a place, per steradian. */
 void gp_sky_single_fit(const struct gp_sky *s, const double at[2], double side,
