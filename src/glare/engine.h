@@ -10,7 +10,6 @@
 #define GP_GLARE_ENGINE_H
 
 #include "core/image.h"
-#include "core/parallel.h"
 #include "core/status.h"
 #include "gl/gl.h"
 #include "glare/edges.h"

@@ -2,7 +2,6 @@
 #include "glare/kernel_check.h"
 
 #include "core/colour.h"
-#include "core/cpu.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Chooses an engine. */
+#include "core/parallel.h"
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "glare/sky/sky.h"

@@ -5,7 +5,6 @@
 #include "core/minmax.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

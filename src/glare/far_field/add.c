@@ -7,10 +7,8 @@
 #include "core/parallel.h"
 #include "glare/fft/fft.h"
 #include "glare/far_field/far_field.h"
-#include "glare/kernel.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TAPS = GP_FAR_TAPS, MOST_STEP = 32, LANES = 8 };

@@ -37,7 +37,6 @@
 #include "core/status.h"
 #include "glare/sources.h"
 
-#include <stdatomic.h>
 #include <stdbool.h>
 
 /* Pixels from the centre at which the core of a kernel that is smooth from

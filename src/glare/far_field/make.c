@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Making a far field: sampled on the coarse grid, its splines divided out. */
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"

@@ -4,11 +4,9 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/far_field/far_field.h"
 #include "glare/sky/sphere.h"
 #include "glare/sky/sum.h"
 
-#include <math.h>
 #include <string.h>
 
 enum {

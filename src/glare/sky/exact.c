@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The layer as it is defined, sample by sample, in double. */
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/sky/sphere.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 struct exact {
     const struct gp_sky *sky;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Light by the chord, and its means over pixels. */
 #include "core/maths.h"
-#include "core/memory.h"
 #include "glare/sky/sky_priv.h"
 
 #include <math.h>

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Weights of all levels at all places. */
-#include "core/maths.h"
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/far_field/far_field.h"
 #include "glare/sky/sphere.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // -- places ------------------------------------------------------------------

@@ -32,7 +32,6 @@
 #define GP_GLARE_SKY_H
 
 #include "core/image.h"
-#include "core/parallel.h"
 #include "core/projection.h"
 #include "core/status.h"
 #include "glare/model/model.h"

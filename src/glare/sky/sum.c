@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "glare/sky/sum.h"
 
-#include "core/bytes.h"
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
