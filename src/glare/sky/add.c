@@ -452,7 +452,7 @@ static void finish_band(void *ctx, int band, int thread)
         a->scratch + (size_t) thread * a->room; // [row][c][wide]
     float *const line = rows + 3 * BAND * wide;
     const int n = gp_min(BAND, h - first);
-    gp_sky_near(a->sky, d->src, &a->index, first, n, rows, line);
+    gp_sky_near(a->sky, &a->index, first, n, rows, line);
     for (int r = 0; r < n; r++) {
         const int y = first + r;
         float *const row = rows + (size_t) r * 3 * wide;

@@ -5,7 +5,6 @@
 #include "core/parallel.h"
 #include "glare/sky/sky_priv.h"
 
-#include <limits.h>
 #include <math.h>
 
 /* Sources that count as one: their light times solid angle, and its middle. */
@@ -45,17 +44,17 @@ static gp_status make_groups(const struct gp_log *log,
                              const struct gp_source *source, size_t n,
                              struct beyond *b)
 {
-    int box[4] = {INT_MAX, INT_MAX, INT_MIN, INT_MIN};
+    int x0 = source[0].x, y0 = source[0].y, x1 = x0, y1 = y0;
     gp_status st = GP_OK;
-    for (size_t i = 0; i < n; i++) {
-        box[0] = gp_min(box[0], source[i].x);
-        box[1] = gp_min(box[1], source[i].y);
-        box[2] = gp_max(box[2], source[i].x);
-        box[3] = gp_max(box[3], source[i].y);
+    for (size_t i = 1; i < n; i++) {
+        x0 = gp_min(x0, source[i].x);
+        y0 = gp_min(y0, source[i].y);
+        x1 = gp_max(x1, source[i].x);
+        y1 = gp_max(y1, source[i].y);
     }
-    int w = box[2] - box[0] + 1, h = box[3] - box[1] + 1;
-    b->x0 = box[0] + b->dx;
-    b->y0 = box[1] + b->dy;
+    int w = x1 - x0 + 1, h = y1 - y0 + 1;
+    b->x0 = x0 + b->dx;
+    b->y0 = y0 + b->dy;
     for (b->levels = 0; b->levels < LEVELS && !st;
          w = (w + 1) / 2, h = (h + 1) / 2) {
         struct groups *const g = &b->level[b->levels++];
@@ -66,7 +65,7 @@ static gp_status make_groups(const struct gp_log *log,
             break;
     }
     for (size_t i = 0; i < n && !st; i++) {
-        const int x = source[i].x - box[0], y = source[i].y - box[1];
+        const int x = source[i].x - x0, y = source[i].y - y0;
         struct group one = {.x = b->x0 + x, .y = b->y0 + y};
         const double solid =
             gp_projection_solid(&b->s->p.projection, one.x, one.y);

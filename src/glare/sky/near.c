@@ -40,7 +40,6 @@ gp_status gp_sky_index_make(const struct gp_log *log,
 /* Rows of sources that reach a band. */
 struct near {
     const struct gp_sky *s;
-    const struct gp_sources *src;
     const struct gp_sky_index *index;
     int top;                  // row of the band
     struct gp_sky_grid light; // laid out, where it is
@@ -50,7 +49,7 @@ struct near {
 /* Lays the sources of a row out. */
 static void lay_row(const struct near *v, int y, const float *rgb, float *row)
 {
-    const int32_t *const x = v->src->x;
+    const int32_t *const x = v->index->src->x;
     const uint32_t *const at = gp_sky_index_row(v->index, y);
     for (int b = 0; b < v->index->blocks; b++) {
         if (at[b + 1] - at[b] == BLOCK) { // all of its pixels
@@ -65,7 +64,7 @@ static void lay_row(const struct near *v, int y, const float *rgb, float *row)
 /* Lays sources out, black elsewhere. */
 static void lay_out(struct near *v)
 {
-    const struct gp_sources *const s = v->src;
+    const struct gp_sources *const s = v->index->src;
     struct gp_sky_grid *const g = &v->light;
     const int from = gp_max(v->top - g->ry, 0);
     const int to = gp_min(v->top + g->h + g->ry, s->h);
@@ -105,8 +104,8 @@ static size_t count_near(const struct near *v, int x, int y, int n, int *left,
     size_t count = 0;
     *left = gp_max(x - g->rx, 0) / BLOCK;
     *right = gp_min((x + g->block - 1 + g->rx) / BLOCK + 1, v->index->blocks);
-    for (int j = gp_max(y - g->ry, 0); j < gp_min(y + n + g->ry, v->src->h);
-         j++)
+    for (int j = gp_max(y - g->ry, 0);
+         j < gp_min(y + n + g->ry, v->index->src->h); j++)
         count += v->index->at[(size_t) j * blocks + (size_t) *right] -
                  v->index->at[(size_t) j * blocks + (size_t) *left];
     return count;
@@ -136,9 +135,9 @@ static bool sum_near(struct near *v, struct gp_sky_weights *w, int x, int y,
         return true;
     }
     memset(sum, 0, ROWS * sizeof *sum);
-    for (int j = gp_max(y - g->ry, 0); j < gp_min(y + n + g->ry, v->src->h);
-         j++)
-        gp_sky_sum_few(w, v->src,
+    for (int j = gp_max(y - g->ry, 0);
+         j < gp_min(y + n + g->ry, v->index->src->h); j++)
+        gp_sky_sum_few(w, v->index->src,
                        v->index->at[(size_t) j * blocks + (size_t) left],
                        v->index->at[(size_t) j * blocks + (size_t) right], x,
                        y - j, r, sum);
@@ -149,10 +148,10 @@ static bool sum_near(struct near *v, struct gp_sky_weights *w, int x, int y,
 static void sum_group(struct near *v, int y, int n, float *rows, float *scratch)
 {
     const struct gp_sky_level *const g = &v->s->level[0];
-    const size_t across = gp_sky_row_room(v->src->w), down = 3 * across;
+    const size_t across = gp_sky_row_room(v->index->src->w), down = 3 * across;
     struct gp_sky_weights w;
     (void) gp_sky_weights_open(v->s, 0, y, n, scratch, &w);
-    for (int x = 0; x < v->src->w; x += g->block) {
+    for (int x = 0; x < v->index->src->w; x += g->block) {
         float sum[ROWS][3][BLOCK], factor[GP_SKY_BAND];
         bool known = false;
         for (int r = 0; r < n; r += ROWS) {
@@ -168,15 +167,15 @@ static void sum_group(struct near *v, int y, int n, float *rows, float *scratch)
     }
 }
 
-void gp_sky_near(const struct gp_sky *s, const struct gp_sources *src,
-                 const struct gp_sky_index *index, int first, int n,
-                 float *rows, float *scratch)
+void gp_sky_near(const struct gp_sky *s, const struct gp_sky_index *index,
+                 int first, int n, float *rows, float *scratch)
 {
+    const struct gp_sources *const src = index->src;
     const struct gp_sky_level *const g = &s->level[0];
     const size_t across = gp_sky_row_room(src->w), down = 3 * across;
     const int from = gp_max(first - g->ry, 0);
     const int to = gp_min(first + n + g->ry, src->h);
-    struct near v = {.s = s, .src = src, .index = index, .top = first};
+    struct near v = {.s = s, .index = index, .top = first};
     struct gp_sky_grid *const light = &v.light;
     *light = (struct gp_sky_grid) {.w = src->w,
                                    .h = GP_SKY_BAND,

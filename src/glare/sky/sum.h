@@ -144,8 +144,7 @@ void gp_sky_spread(const struct gp_sky *s, int level,
 
 /* Fills n rows of pixels, BAND at most, with what near sources spread:
  * rows[row][channel]. */
-void gp_sky_near(const struct gp_sky *s, const struct gp_sources *src,
-                 const struct gp_sky_index *index, int first, int n,
-                 float *rows, float *scratch);
+void gp_sky_near(const struct gp_sky *s, const struct gp_sky_index *index,
+                 int first, int n, float *rows, float *scratch);
 
 #endif

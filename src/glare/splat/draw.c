@@ -34,29 +34,52 @@ void gp_splat_drop_kernels(struct gp_splat *s)
     s->bytes = 0;
 }
 
-/* Uploads a kernel's samples, band after band. */
-static gp_status upload_kernel(const struct gp_log *log, struct gp_splat *s,
-    const struct gp_blur *b, struct gp_texture *t)
+/* Writes row y of texels, which are 0. */
+typedef void (*fill_row)(const void *ctx, int y, float *texel);
+
+/* Uploads w x h texels, band after band, to a texture of that size at least. */
+static gp_status upload(const struct gp_log *log, struct gp_splat *s,
+                        const char *what, int w, int h, fill_row fill,
+                        const void *ctx, struct gp_texture *t)
 {
-    const int w = b->grey ? (b->w + 3) / 4 : b->w;
     const int rows = GP_SPLAT_TEXELS / w;
-    const size_t pitch = 4 * (size_t) w, samples = (size_t) b->w;
-    gp_status st = gp_texture_make(log, s->gl, "kernel", GP_TEXEL_FLOAT, w, b->h,
-                                   t);
-    for (int y0 = 0; !st && y0 < b->h; y0 += rows) {
-        const int y1 = gp_min(b->h - y0, rows) + y0;
-        for (int y = y0; y < y1; y++) {
-            float *const texel = s->texel + (size_t) (y - y0) * pitch;
-            const size_t first = (size_t) y * samples;
-            memset(texel, 0, pitch * sizeof *texel);
-            if (b->grey)
-                memcpy(texel, b->k.c[0] + first, samples * sizeof *texel);
-            for (size_t i = 0; !b->grey && i < 3 * samples; i++)
-                texel[i / 3 * 4 + i % 3] = b->k.c[i % 3][first + i / 3];
-        }
+    const size_t pitch = 4 * (size_t) w;
+    const gp_status st = gp_texture_make(log, s->gl, what, GP_TEXEL_FLOAT,
+                                         gp_max(t->w, w), gp_max(t->h, h), t);
+    for (int y0 = 0; !st && y0 < h; y0 += rows) {
+        const int y1 = gp_min(h - y0, rows) + y0;
+        memset(s->texel, 0, (size_t) (y1 - y0) * pitch * sizeof *s->texel);
+        for (int y = y0; y < y1; y++)
+            fill(ctx, y, s->texel + (size_t) (y - y0) * pitch);
         gp_texture_write(s->gl, t, (struct gp_rect) {0, y0, w, y1}, s->texel);
     }
     return st;
+}
+
+static void fill_kernel(const void *ctx, int y, float *texel)
+{
+    const struct gp_blur *const b = ctx;
+    const size_t n = (size_t) b->w, first = (size_t) y * n;
+    if (b->grey)
+        memcpy(texel, b->k.c[0] + first, n * sizeof *texel);
+    for (size_t i = 0; !b->grey && i < 3 * n; i++)
+        texel[i / 3 * 4 + i % 3] = b->k.c[i % 3][first + i / 3];
+}
+
+/* The light of pixels: rgb, and luminance. */
+static void fill_sources(const void *ctx, int y, float *row)
+{
+    const struct gp_sources *const src = ctx;
+    for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+        float *const texel = row + 4 * src->x[i];
+        double light = 0.0;
+        for (int c = 0; c < 3; c++) {
+            texel[c] = src->rgb[c][i];
+            light += (double) src->luminance[c] * (double) texel[c];
+        }
+        // weights of unreal primaries may be negative
+        texel[3] = light > 0.0 ? (float) light : 0.0f;
+    }
 }
 
 gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
@@ -87,46 +110,13 @@ gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
     };
     o->rest[0] = b.cx - (float) o->cx;
     o->rest[1] = b.cy - (float) o->cy;
-    st = upload_kernel(log, s, &b, &o->texture);
+    st = upload(log, s, "kernel", b.grey ? (b.w + 3) / 4 : b.w, b.h,
+                fill_kernel, &b, &o->texture);
     if (!st)
         st = gp_gl_check(log, s->gl, "packing the kernel");
     if (st)
         gp_splat_drop_kernels(s);
     gp_planes_free(&b.k);
-    return st;
-}
-
-/* -- sensors --------------------------------------------------------------- */
-
-/* Uploads the light of the frame's pixels to s->sources: rgb, and luminance.
- * Errors: GP_ERR_GL. */
-static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
-                                const struct gp_sources *src)
-{
-    const int w = src->w, h = src->h;
-    struct gp_texture *const t = &s->sources;
-    const gp_status st = gp_texture_make(log, s->gl, "sensors", GP_TEXEL_FLOAT,
-                                         gp_max(t->w, w), gp_max(t->h, h), t);
-    const int rows = GP_SPLAT_TEXELS / w;
-    for (int y0 = 0; !st && y0 < h; y0 += rows) {
-        const struct gp_rect band = {0, y0, w, gp_min(h - y0, rows) + y0};
-        memset(s->texel, 0,
-               (size_t) w * (size_t) gp_rect_h(band) * 4 * sizeof(float));
-        for (int y = y0; y < band.y1; y++) {
-            float *const row = s->texel + 4 * (size_t) (y - y0) * (size_t) w;
-            for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-                float *const texel = row + 4 * src->x[i];
-                double light = 0.0;
-                for (int c = 0; c < 3; c++) {
-                    texel[c] = src->rgb[c][i];
-                    light += (double) src->luminance[c] * (double) texel[c];
-                }
-                // weights of unreal primaries may be negative
-                texel[3] = light > 0.0 ? (float) light : 0.0f;
-            }
-        }
-        gp_texture_write(s->gl, t, band, s->texel);
-    }
     return st;
 }
 
@@ -325,7 +315,8 @@ static gp_status draw_grids(const struct drawing *k)
         .cells = {1, 0, 0, src->w, src->h},
         .sensors = &s->sources, .at = all->at, .n = all->n,
     };
-    GP_TRY(upload_sources(k->req->log, s, src));
+    GP_TRY(upload(k->req->log, s, "sensors", src->w, src->h, fill_sources, src,
+                  &s->sources));
     if (k->layout->single)
         return draw_grid(k, &pixels);
     GP_TRY(draw_with(k, &pixels, &s->total, GP_SPLAT_MIDDLE, 0,
