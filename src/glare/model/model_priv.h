@@ -67,7 +67,10 @@ extern const struct gp_model gp_model_star, gp_model_cross,
 static inline double gp_recipe_value(const struct gp_recipe *r,
                                      const char *key)
 {
-    return gp_recipe_key(r, key, 0.0);
+    int i = 0;
+    while (strcmp(r->model->keys[i].name, key) != 0)
+        i++;
+    return r->value[i];
 }
 
 /* The key that all models begin with; `preset` is the model's own share. */

@@ -525,8 +525,9 @@ static gp_status add_cosines(const struct gp_log *log, const struct gp_sky *sky,
         for (int c = 0; c < 3; c++)
             d->layer->c[c][at] = d->more[c] * list[i].rgb[c];
     }
-    st = gp_cosines_add(log, sky->p.cosines, list, src->n, src->w, src->h,
-                        d->layer, d->last, d->kept);
+    st = gp_cosines_add(log, sky->p.cosines, list, src->n,
+                        (struct gp_rect) {0, 0, src->w, src->h}, d->layer,
+                        d->last, d->kept);
 out:
     gp_free(list);
     return st;

@@ -176,7 +176,8 @@ gp_status gp_kernel_add_beyond(const struct gp_log *log,
     if (!n)
         return st;
     if (sky->p.cosines)
-        GP_TRY(gp_cosines_add(log, sky->p.cosines, source, n, w, h, layer, true,
+        GP_TRY(gp_cosines_add(log, sky->p.cosines, source, n,
+                              (struct gp_rect) {0, 0, w, h}, layer, true,
                               &kept));
     if (!sky->p.n)
         goto out;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Direction cosines: their nodes, the layer by way of these, and the light that leaves
- * the frame. */
+/* Direction cosines: their nodes, and the layer by way of these. */
 #include "glare/sky/cosines.h"
 
 #include "core/cpu.h"
@@ -113,74 +112,6 @@ void gp_cosines_at(const struct gp_kernel *k, double u, double v, double d[3])
                                           x - 2 * MID + i % WIDE,
                                           y - 2 * MID + i / WIDE);
     }
-}
-
-void gp_cosines_free(struct gp_cosines **c)
-{
-    if (*c) {
-        gp_far_free(
-            (*c)->nodes.far); // it has no more: of samples, not of a model
-        gp_planes_free(&(*c)->nodes.k);
-        gp_free((*c)->sums);
-    }
-    GP_FREE(*c);
-}
-
-// -- light that leaves the frame -------------------------------------------------
-
-/* The core's light in its row y between two places on it, in samples. */
-static double between(const struct gp_cosines *c, int y, double from, double to)
-{
-    const int w = c->w;
-    const double *const row = c->sums + (size_t) y * ((size_t) w + 1);
-    double at[2] = {from, to};
-    for (int i = 0; i < 2; i++) {
-        const double t = fmin(fmax(at[i], 0.0), w);
-        const int k = (int) fmin(floor(t), w - 1);
-        at[i] = row[k] + (t - k) * (row[k + 1] - row[k]);
-    }
-    return fmax(at[1] - at[0], 0.0);
-}
-
-/* With X = x / z of a place, and Y: where y is b, Y is at most Y1 where z is at least
- * b / Y1, which is |x| at most this; 0 where no z is. */
-static double half_of(double b, double side)
-{
-    const double z = b / side;
-    return side > 0.0 ? sqrt(fmax(1.0 - b * b - z * z, 0.0)) : 0.0;
-}
-
-double gp_cosines_outside(const struct gp_cosines *c, double x, double y)
-{
-    const struct gp_cosine_grid *const g = &c->grid;
-    const struct gp_projection *const p = &g->projection;
-    const struct gp_v3 at = gp_projection_direction(p, x, y);
-    const double left = (-0.5 - p->x0) * p->dx;
-    const double right = (g->w - 0.5 - p->x0) * p->dx;
-    const double top = (-0.5 - p->y0) * p->dy;
-    const double bottom = (g->h - 0.5 - p->y0) * p->dy;
-    double inside = 0.0;
-    for (int j = 0; j < c->h; j++) {
-        const double b = at.y + (j - c->h / 2) * g->step[1];
-        if (fabs(b) >= 1.0)
-            continue;
-        const double q = sqrt(1.0 - b * b), size = fabs(b);
-        // b / z is between both sides: |x| between `near` and `far`
-        const double far = half_of(size, b < 0.0 ? -top : bottom);
-        const double near = half_of(size, b < 0.0 ? -bottom : top);
-        const double from = left * q / sqrt(1.0 + left * left);
-        const double to = right * q / sqrt(1.0 + right * right);
-        const double ends[2][2] = {{fmax(from, -far), fmin(to, far)},
-                                   {fmax(from, -near), fmin(to, near)}};
-        for (int i = 0; i < (near > 0.0 ? 2 : 1); i++) {
-            const double first = 0.5 + c->w / 2 - at.x / g->step[0];
-            const double light = between(c, j, first + ends[i][0] / g->step[0],
-                                         first + ends[i][1] / g->step[0]);
-            inside += i ? -light : light;
-        }
-    }
-    // what no node has is outside
-    return fmax(c->all - inside, 0.0);
 }
 
 // -- the layer: light to the nodes, spread there, and back ------------------------
@@ -505,10 +436,11 @@ out:
 }
 
 gp_status gp_cosines_add(const struct gp_log *log, const struct gp_cosines *c,
-                         const struct gp_source *source, size_t n, int w, int h,
-                         struct gp_planes *layer, bool last,
-                         struct gp_cosines_kept **kept)
+                         const struct gp_source *source, size_t n,
+                         struct gp_rect picture, struct gp_planes *layer,
+                         bool last, struct gp_cosines_kept **kept)
 {
+    const int w = gp_rect_w(picture), h = gp_rect_h(picture);
     struct adding a = {.c = c,
                        .x0 = 0.5 * (c->grid.w - w),
                        .y0 = 0.5 * (c->grid.h - h),
@@ -543,7 +475,8 @@ gp_status gp_cosines_beyond(const struct gp_log *log,
         even[i] = (struct gp_source) {
             (int) (i % wide), (int) (i / wide), {1.0f, 1.0f, 1.0f}};
     gp_planes_clear(share, 0, n);
-    st = gp_cosines_add(log, c, even, n, w, h, share, true, &kept);
+    st = gp_cosines_add(log, c, even, n, (struct gp_rect) {0, 0, w, h}, share,
+                        true, &kept);
     for (int k = 0; k < 3; k++)
         for (size_t i = 0; i < n; i++)
             share->c[k][i] = (float) (c->light[k] - (double) share->c[k][i]);

@@ -88,8 +88,8 @@ void gp_cosines_kept_free(struct gp_cosines_kept **kept);
 GP_MUST_CHECK gp_status gp_cosines_add(const struct gp_log *log,
                                        const struct gp_cosines *c,
                                        const struct gp_source *source, size_t n,
-                                       int w, int h, struct gp_planes *layer,
-                                       bool last,
+                                       struct gp_rect picture,
+                                       struct gp_planes *layer, bool last,
                                        struct gp_cosines_kept **kept);
 
 /* The same as it is defined, pair by pair in double, of sources in the grid's pixels: to

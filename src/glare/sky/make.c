@@ -445,6 +445,17 @@ out:
     return st;
 }
 
+void gp_cosines_free(struct gp_cosines **c)
+{
+    if (*c) {
+        gp_far_free(
+            (*c)->nodes.far); // it has no more: of samples, not of a model
+        gp_planes_free(&(*c)->nodes.k);
+        gp_free((*c)->sums);
+    }
+    GP_FREE(*c);
+}
+
 void gp_sky_free(struct gp_sky **sky)
 {
     for (struct gp_sky *s = *sky, *next; s; s = next) {

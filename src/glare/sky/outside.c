@@ -337,3 +337,60 @@ void gp_sky_outside_row(const struct gp_sky *s, int y, float *row)
         cubic_row(v, at + first, columns, from, end, row);
     }
 }
+
+// -- of cosines ----------------------------------------------------------------
+
+/* The core's light in its row y between two places on it, in samples. */
+static double between(const struct gp_cosines *c, int y, double from, double to)
+{
+    const int w = c->w;
+    const double *const row = c->sums + (size_t) y * ((size_t) w + 1);
+    double at[2] = {from, to};
+    for (int i = 0; i < 2; i++) {
+        const double t = fmin(fmax(at[i], 0.0), w);
+        const int k = (int) fmin(floor(t), w - 1);
+        at[i] = row[k] + (t - k) * (row[k + 1] - row[k]);
+    }
+    return fmax(at[1] - at[0], 0.0);
+}
+
+/* With X = x / z of a place, and Y: where y is b, Y is at most Y1 where z is at least
+ * b / Y1, which is |x| at most this; 0 where no z is. */
+static double side_of(double b, double side)
+{
+    const double z = b / side;
+    return side > 0.0 ? sqrt(fmax(1.0 - b * b - z * z, 0.0)) : 0.0;
+}
+
+double gp_cosines_outside(const struct gp_cosines *c, double x, double y)
+{
+    const struct gp_cosine_grid *const g = &c->grid;
+    const struct gp_projection *const p = &g->projection;
+    const struct gp_v3 at = gp_projection_direction(p, x, y);
+    const double left = (-0.5 - p->x0) * p->dx;
+    const double right = (g->w - 0.5 - p->x0) * p->dx;
+    const double top = (-0.5 - p->y0) * p->dy;
+    const double bottom = (g->h - 0.5 - p->y0) * p->dy;
+    double inside = 0.0;
+    for (int j = 0; j < c->h; j++) {
+        const double b = at.y + (j - c->h / 2) * g->step[1];
+        if (fabs(b) >= 1.0)
+            continue;
+        const double q = sqrt(1.0 - b * b), size = fabs(b);
+        // b / z is between both sides: |x| between `near` and `far`
+        const double far = side_of(size, b < 0.0 ? -top : bottom);
+        const double near = side_of(size, b < 0.0 ? -bottom : top);
+        const double from = left * q / sqrt(1.0 + left * left);
+        const double to = right * q / sqrt(1.0 + right * right);
+        const double ends[2][2] = {{fmax(from, -far), fmin(to, far)},
+                                   {fmax(from, -near), fmin(to, near)}};
+        for (int i = 0; i < (near > 0.0 ? 2 : 1); i++) {
+            const double first = 0.5 + c->w / 2 - at.x / g->step[0];
+            const double light = between(c, j, first + ends[i][0] / g->step[0],
+                                         first + ends[i][1] / g->step[0]);
+            inside += i ? -light : light;
+        }
+    }
+    // what no node has is outside
+    return fmax(c->all - inside, 0.0);
+}
