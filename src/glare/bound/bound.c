@@ -62,6 +62,7 @@ static void find_offsets(int before, int after, int side, int cells,
     *n = any ? gp_max(last - *first + 1, 0) : 0;
 }
 
+/* The caller frees out->at, on failure too. */
 static gp_status make_table(const struct gp_log *log,
     const struct cells *cells, const struct gp_kernel *k, int c,
     struct table *out)
@@ -98,10 +99,8 @@ static gp_status make_table(const struct gp_log *log,
             v = gp_minf(v, rows[(size_t) y * w + i % w]);
         t.at[i] = (double) v;
     }
-    *out = t;
-    t.at = NULL;
 out:
-    gp_free(t.at);
+    *out = t;
     gp_free(rows);
     return st;
 }

@@ -59,27 +59,27 @@ static void correlator_free(struct correlator *t)
     gp_free(t->scratch);
 }
 
-/* For the pupil's autocorrelation in `lags`. */
+/* For the pupil's autocorrelation in `lags`. The caller frees it, on failure too. */
 static gp_status correlator_make(const struct gp_log *log,
-    const struct gp_pupil *p, struct lags *lags, struct correlator *out)
+                                 const struct gp_pupil *p, struct lags *lags,
+                                 struct correlator *t)
 {
     const int n = gp_fft_length(2 * p->n);
-    struct correlator t = {.pupil = p, .a = lags, .parts = p->path ? 2 : 1};
-    const size_t arrays = 2 * (size_t) t.parts * (size_t) gp_threads();
+    const int parts = p->path ? 2 : 1;
+    const size_t arrays = 2 * (size_t) parts * (size_t) gp_threads();
     gp_status st;
-    GP_TRY(gp_float_transform_make(log, n, &t.t));
-    GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, t.parts, n,
-                              p->n + 1, &t.m));
-    GP_TRY(gp_alloc(log, "kernel", arrays, gp_transform_room(n), &t.scratch));
-    GP_TRY(gp_alloc(log, "kernel", (size_t) n + 1, sizeof *t.boost, &t.boost));
+    *t = (struct correlator) {.pupil = p, .a = lags, .parts = parts};
+    GP_TRY(gp_float_transform_make(log, n, &t->t));
+    GP_TRY(gp_fft_matrix_make(log, (struct gp_fft_numbers) {0}, t->parts, n,
+                              p->n + 1, &t->m));
+    GP_TRY(gp_alloc(log, "kernel", arrays, gp_transform_room(n), &t->scratch));
+    GP_TRY(
+        gp_alloc(log, "kernel", (size_t) n + 1, sizeof *t->boost, &t->boost));
     for (int k = 0; k <= n; k++) {
         const double s = gp_sinc((double) gp_min(k, n - k) / n);
-        t.boost[k] = (float) (1.0 / (s * s * s * s));
+        t->boost[k] = (float) (1.0 / (s * s * s * s));
     }
-    *out = t;
-    return GP_OK;
 out:
-    correlator_free(&t);
     return st;
 }
 
@@ -238,23 +238,23 @@ static double ramp(double t)
                      : t;
 }
 
-/* Cells go from -n to n. */
+/* Cells go from -n to n. The caller frees it, on failure too. */
 static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
-                                 int period, double nodes,
-                                 struct lag_matrix *out)
+                                 int period, double nodes, struct lag_matrix *m)
 {
-    struct lag_matrix m = {.edge = (int) ceil(n / step + 1.0),
-                           .period = period, .step = step};
+    *m = (struct lag_matrix) {
+        .edge = (int) ceil(n / step + 1.0), .period = period, .step = step};
     if (nodes > 0.0) // nothing is beyond the first zero
-        m.edge = gp_min(m.edge, (int) ceil(period / fmax(nodes, 1.0)));
-    const size_t rows = 2 * (size_t) m.edge + 1;
+        m->edge = gp_min(m->edge, (int) ceil(period / fmax(nodes, 1.0)));
+    const size_t rows = 2 * (size_t) m->edge + 1;
     const size_t most = (size_t) ceil(2.0 * step) + 3;
     size_t at = 0;
-    gp_status st = gp_alloc(log, "kernel", rows, sizeof *m.row, &m.row);
+    gp_status st = gp_alloc(log, "kernel", rows, sizeof *m->row, &m->row);
     if (!st)
-        st = gp_alloc(log, "kernel", rows * most, sizeof *m.weight, &m.weight);
+        st =
+            gp_alloc(log, "kernel", rows * most, sizeof *m->weight, &m->weight);
     for (size_t i = 0; i < rows && !st; i++) {
-        const int k = (int) i - m.edge;
+        const int k = (int) i - m->edge;
         // a mean over steps to both sides, by a hat of their width
         const double low = (k - 1.0) * step, high = (k + 1.0) * step;
         // the pixel that shines and the one that is lit
@@ -264,16 +264,12 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
             nodes > 0.0 && fabs(f) >= 1.0 ? 0.0 : gp_sinc(f) / step;
         const int first = gp_max((int) floor(low), -n);
         const int last = gp_min((int) ceil(high), n);
-        m.row[i] = (struct lag_row) {first, gp_max(last - first + 1, 0), at};
+        m->row[i] = (struct lag_row) {first, gp_max(last - first + 1, 0), at};
         for (int u = first; u <= last; u++)
-            m.weight[at++] = (float) (pixel * pixel *
-                                      (ramp(high - u) + ramp(low - u) -
-                                       2.0 * ramp(k * step - u)));
+            m->weight[at++] = (float) (pixel * pixel *
+                                       (ramp(high - u) + ramp(low - u) -
+                                        2.0 * ramp(k * step - u)));
     }
-    if (st)
-        lag_matrix_free(&m);
-    else
-        *out = m;
     return st;
 }
 

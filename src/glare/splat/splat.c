@@ -89,8 +89,8 @@ static double count_pixels(const struct gp_glare_request *req,
 
 /* -- the layout ------------------------------------------------------------ */
 
-/* Makes the layout of a request; src->n is over 0. Errors: GP_ERR_BUG out of
- * memory; *out is then empty. */
+/* Makes the layout of a request; src->n is over 0. The caller frees its polygons, on failure
+ * too. Errors: GP_ERR_BUG out of memory. */
 static gp_status make_layout(const struct gp_glare_request *req,
                              struct gp_splat_layout *out)
 {
@@ -118,10 +118,8 @@ static gp_status make_layout(const struct gp_glare_request *req,
         o.bound = k->negative || e >= 1.0 ? INFINITY : e / (1.0 - e);
     }
     o.polygon_pixels = count_pixels(req, &o);
-    *out = o;
-    o.polygons = (struct gp_polygons) {0};
 out:
-    gp_free(o.polygons.at);
+    *out = o;
     return st;
 }
 
