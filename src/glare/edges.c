@@ -318,9 +318,8 @@ struct gp_outside {
     unsigned long serial;              // of the kernel
     const struct gp_far_state *state;  // what `far` is of
     double *box;   // pitch of the kernel for each thread
-    float
-        *weight; // three rows for each thread: w; the far field in the picture;
-                 // what leaves it of the sky's
+    float *weight; // three rows for each thread: w; the far field in the
+                   // picture; what leaves it of the sky's
 };
 
 /* Fills weight[x] with w in row y, but for the far field's. */

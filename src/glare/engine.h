@@ -70,12 +70,10 @@ struct gp_glare_request {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct glarepp_layer_facts *stats;
-    const struct gp_far_state
-        *far; // of the kernel's far field, which the caller
-              // adds; NULL: it has none
-    double
-        beyond; // most light from beyond the border, on which the far field errs
-                // too; 0: none
+    const struct gp_far_state *far; // of the kernel's far field, which the
+                                    // caller adds; NULL: it has none
+    double beyond;  // most light from beyond the border, on which the far field
+                    // errs too; 0: none
     bool in_double; // transforms are, by the plan
     bool exact;     // true angles are summed as they are defined, not by levels
     double floor; // added to a bound of rel_l2: gp_error_floor_find()

@@ -29,8 +29,7 @@ struct gp_shape {
     bool grey;       // the three channels are equal: row writes out[0] only
     bool even;       // the same at (-x, y) and (x, -y)
     bool negative;   // samples may be
-    double
-        over; // as struct gp_kernel's, where samples are negative; 0: unknown
+    double over;     // as gp_kernel's, where samples are negative; 0: unknown
     double smooth;   // pixels from the centre from which on it bends only on
                      // the scale of the distance; INFINITY: sharp far out
     int reach;       // offsets beyond are 0 in x and y; INT_MAX: none

@@ -19,8 +19,7 @@ struct adding {
     const struct gp_sky_drawing *d;
     struct gp_sky_grid light[GP_SKY_LEVELS]; // of levels from 1 on: moments
     struct gp_planes out[GP_SKY_LEVELS];     // what is spread there
-    struct gp_planes
-        node[GP_SKY_LEVELS]; // splines of it, and of farther levels
+    struct gp_planes node[GP_SKY_LEVELS];    // splines of it and farther levels
     struct gp_sky_index index;
     float *scratch; // `room` of each thread
     size_t room;

@@ -82,8 +82,7 @@ struct gp_sky {
     float *pairs;                 // of the last level: [to][from]; owned
     double *own;                  // of each place; owned
     struct gp_sky_column *column; // of each pixel; owned
-    struct gp_sky_sphere
-        *sphere; // NULL: not LATLONG; what follows is not either
+    struct gp_sky_sphere *sphere; // NULL: not LATLONG; nor is what follows
     // light that leaves the frame
     struct gp_curve within;     // share of light within a chord
     double spread;              // all of it

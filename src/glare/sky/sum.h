@@ -79,10 +79,9 @@ struct gp_sky_weights {
     short *column; // [rx + dx][2]: rows that are not 0, from and to: 4 at least
     short *laid;   // as span, of what may not be 0 in the tables
     short *spans;  // as span, of each column of places
-    int spanned,
-        block;    // places that `span` is of; block of the end of `value`; -1:
-                  // none
-    bool by_wide; // vectors of BLOCK are there
+    int spanned;   // places that `span` is of; -1: none
+    int block;     // of the end of `value`; -1: none
+    bool by_wide;  // vectors of BLOCK are there
 };
 
 /* Floats of scratch that weights of a level take. */
