@@ -223,7 +223,7 @@ static void circles_have_any_primes(void **state)
                 error += pow((double) got.c[q / n][q % n] - want[q], 2.0);
                 norm += want[q] * want[q];
             }
-            assert_true(sqrt(error / norm) <= sky->error.relative);
+            assert_true(sqrt(error / norm) <= sky->facts.relative);
             gp_planes_free(&got);
             gp_sources_free(&src);
             free(want);
