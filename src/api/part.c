@@ -36,9 +36,8 @@ gp_status gp_api_part_core(struct glarepp_frame *f, const struct gp_sources *s,
             f->part[1].c[c][p] += s->rgb[c][i] * centre;
             f->part[0].c[c][p] -= s->rgb[c][i] * centre;
         }
-        // beyond a fisheye's rim
-        for (int i = 0; own && gp_api_edges(f) != GLAREPP_MIRROR && i < 2; i++)
-            gp_sky_cut_row(k->sky, y,
+        for (int i = 0; own && i < 2; i++)
+            gp_sky_cut_row(k->sky, y, s->w,
                            f->part[i].c[c] + (size_t) y * (size_t) s->w);
     }
 out:

@@ -206,7 +206,7 @@ static gp_status add_exact(const struct gp_log *log, struct drawing *d)
         float *const to = d->f->layer.c[i / h] + i % h * w;
         for (size_t x = 0; x < w; x++)
             to[x] = (float) ((double) to[x] + sum[i * w + x]);
-        gp_sky_cut_row(d->kernel->sky, (int) (i % h), to);
+        gp_sky_cut_row(d->kernel->sky, (int) (i % h), (int) w, to);
     }
     gp_free(sum);
     return st;

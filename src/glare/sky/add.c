@@ -432,9 +432,11 @@ GP_CLONES static void stay_row(const struct adding *a, int y, float *own,
     }
 }
 
-void gp_sky_cut_row(const struct gp_sky *s, int y, float *row)
+void gp_sky_cut_row(const struct gp_sky *s, int y, int w, float *row)
 {
     int span[2];
+    if (w != s->p.w)
+        return;
     gp_projection_span(&s->p.projection, 0.0, y, s->p.w, span);
     memset(row, 0, (size_t) span[0] * sizeof *row);
     memset(row + span[1], 0, (size_t) (s->p.w - span[1]) * sizeof *row);
@@ -464,7 +466,7 @@ static void finish_band(void *ctx, int band, int thread)
             between_row(line, B1[0], B1[1], w, row + (size_t) c * wide);
             float *const to = d->layer->c[c] + (size_t) y * (size_t) w;
             write_row(row + (size_t) c * wide, w, d->add, to);
-            gp_sky_cut_row(a->sky, y, to);
+            gp_sky_cut_row(a->sky, y, w, to);
         }
     }
 }

@@ -92,8 +92,9 @@ GP_MUST_CHECK gp_status gp_sky_add(const struct gp_log *log,
 void gp_sky_own(const struct gp_sky *sky, int w, int h, int y, const int32_t *x,
                 size_t n, float *own);
 
-/* Leaves what is beyond a fisheye's rim dark, in a row of a layer. */
-void gp_sky_cut_row(const struct gp_sky *sky, int y, float *row);
+/* Leaves what is beyond a fisheye's rim dark, in a row of w samples of a layer; one of
+ * other frames than the sky's, which a margin makes wider, has no rim. */
+void gp_sky_cut_row(const struct gp_sky *sky, int y, int w, float *row);
 
 /* Limit of the error of gp_sky_exact() over the layer, of curves and means. */
 #define GP_SKY_EXACT 4e-6
